@@ -51,7 +51,7 @@ localization::Posterior reported_pose(const Eigen::Isometry3d& truth, std::uint6
   return posterior;
 }
 
-int touching_fingers(const hand::HandReading& reading) {
+int pressing_fingers(const hand::HandReading& reading) {
   int count = 0;
   for (int finger = 0; finger < hand::kShadowFingers; ++finger)
     count += hand::tip_force(reading, finger) > kTouch;
@@ -75,11 +75,11 @@ Grasp grasp_and_lift(const geometry::ObjectModel& model, std::uint64_t seed) {
   Grasp result;
   result.outcome = run_phase(grasp, scene.robot(), state).outcome;
   const std::size_t closed = *scene.robot().log().at(TouchEvent::closed), pressed = scene.now();
-  result.closed = touching_fingers(scene.robot().log().readings[closed]);
+  result.closed = pressing_fingers(scene.robot().log().readings[closed]);
   result.pressing = between(scene.in_hand(closed), scene.in_hand(pressed));
   LiftPhase lift(options.lift, model.object().mass * kGravity);
   run_phase(lift, scene.robot(), state);
-  result.held = touching_fingers(scene.robot().reading());
+  result.held = pressing_fingers(scene.robot().reading());
   result.lifting = between(scene.in_hand(pressed), scene.in_hand(scene.now()));
   result.lifted = scene.lowest() > kLifted;
   return result;

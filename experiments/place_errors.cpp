@@ -101,7 +101,7 @@ Error Watch::error_at(std::size_t tick, const PlaceResult& place, bool at_target
 
 Outcome Watch::run(const geometry::ObjectModel& model) {
   world_.reset(draw_start(object_, options_.start, seed_), waiting_command(world_.hand_model()));
-  std::map<TouchEvent, std::size_t> marks;
+  std::map<TouchEvent, std::size_t> events;
   std::map<std::string, std::size_t, std::less<>> begins, ends;
   const simulation::SimulatedModels models;
   Executor robot(
@@ -110,7 +110,7 @@ Outcome Watch::run(const geometry::ObjectModel& model) {
          const auto truth = world_.truth();
          ticks_.push_back({reading.base.pose(), truth.T_world_object, truth.lowest_point});
        },
-       [&](TouchEvent mark) { marks[mark] = ticks_.size() - 1; },
+       [&](TouchEvent event) { events[event] = ticks_.size() - 1; },
        {}},
       &models);
   PhaseObserver observer{
@@ -126,13 +126,13 @@ Outcome Watch::run(const geometry::ObjectModel& model) {
   if (!place.goal || !place.T_world_placed) return outcome;
   std::size_t touch = begins["place"];
   while (touch < ends["place"] && ticks_[touch].lowest > kTouches) ++touch;
-  const std::size_t placed = marks[TouchEvent::placed];
+  const std::size_t placed = events[TouchEvent::placed];
   const auto later = [&](double seconds) {
     return placed + static_cast<std::size_t>(std::lround(seconds / hand::kTick));
   };
-  const std::array<std::size_t, kMoments> moments = {marks[TouchEvent::closed],
+  const std::array<std::size_t, kMoments> moments = {events[TouchEvent::closed],
                                                      begins["lift"],
-                                                     marks[TouchEvent::held],
+                                                     events[TouchEvent::held],
                                                      ends["transport"],
                                                      touch,
                                                      placed,

@@ -49,7 +49,7 @@ pl::Waypoint random_waypoint(RandomStream& random, simulation::CollisionScene& s
     }
     waypoint.joints = hand::joints_in_free_flexion(
         scene.hand(), pl::command_of(waypoint, scene.hand()).positions);
-    if (pl::find_faults({waypoint}, scene).empty()) return waypoint;
+    if (pl::find_invalid_waypoints({waypoint}, scene).empty()) return waypoint;
   }
 }
 

@@ -43,7 +43,7 @@ PointCloud moved(PointCloud cloud, RandomStream random, Eigen::Isometry3d& T_tar
 
 /// Poses of feature matches alone, without what register_clouds() knows of features.
 bool is_found_by_matches(const PointCloud& source, const PointCloud& target, bool normals) {
-  const double voxel = suggested_voxel(source, target, FeatureOptions{}.most_points);
+  const double voxel = suggested_voxel(source, target, FeatureOptions{}.max_points);
   const FeatureCloud from = describe(source, voxel), to = describe(target, voxel);
   Correspondences pairs;
   for (const auto& match : geometry::mutual_matches(from.features, to.features)) {

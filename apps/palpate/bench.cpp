@@ -54,8 +54,8 @@ nlohmann::json representation_json(const simulation::RepresentationResult& resul
 nlohmann::json measure_representations(const BenchArguments& arguments) {
   const auto object = geometry::load_known_object(arguments.object);
   const geometry::MeshQuery mesh(object.mesh);
-  const auto probes = simulation::place_probes(mesh, probe_count(arguments), kRadius, kDepth,
-                                               RandomStream(arguments.common.seed, "probes"));
+  const auto probes = simulation::place_test_spheres(mesh, probe_count(arguments), kRadius, kDepth,
+                                                     RandomStream(arguments.common.seed, "probes"));
   nlohmann::json results;
   for (const simulation::Representation representation : simulation::kRepresentations) {
     if (!arguments.common.quiet) fmt::print(stderr, "{}\n", to_string(representation));

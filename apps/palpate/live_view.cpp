@@ -37,7 +37,7 @@ LiveView::~LiveView() {
 }
 
 std::unique_ptr<recording::PageStream> LiveView::begin(
-    const recording::Header& header, const std::string& title,
+    const recording::RecordingHeader& header, const std::string& title,
     const recording::PageStream::Options& options) {
   const auto hand = simulation::load_hand(header.hand.name);
   const std::uint64_t page = ++pages_;

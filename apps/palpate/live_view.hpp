@@ -26,7 +26,7 @@ class LiveView {
 
   /// Shows another recording from now on; what the last one sends goes nowhere.
   /// @param title  plain text
-  std::unique_ptr<recording::PageStream> begin(const recording::Header& header,
+  std::unique_ptr<recording::PageStream> begin(const recording::RecordingHeader& header,
                                                const std::string& title,
                                                const recording::PageStream::Options& options = {});
 

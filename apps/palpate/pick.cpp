@@ -115,8 +115,9 @@ int pick(const PickArguments& arguments) {
   const fs::path folder = output_folder(arguments);
   const OutputFolder output(folder, {"recording.h5", "config.toml", "report.json", "replay.html"},
                             common.force);
-  const recording::Header header{std::string(version()), common.seed, object.object(),
-                                 world.hand_model(),     config,      sensor_reported_errors};
+  const recording::RecordingHeader header{
+      std::string(version()), common.seed, object.object(),
+      world.hand_model(),     config,      sensor_reported_errors};
   const auto title = fmt::format("palpate pick --object {} --seed {}{}", names, common.seed,
                                  arguments.place.empty() ? "" : " --place " + arguments.place);
   recording::Writer writer(folder / "recording.h5", header);

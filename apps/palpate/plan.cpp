@@ -174,7 +174,7 @@ int plan(const PlanArguments& arguments) {
     write_results(arguments, settings, setting.hand, result, tracking);
   }
   if (arguments.common.json) fmt::print("{}\n", plan_report(result, tracking).dump(2));
-  if (result.status == pl::PlanStatus::invalid) throw BadInput(describe_faults(result.invalid));
+  if (result.status == pl::PlanStatus::invalid) throw BadInput(describe_invalid(result.invalid));
   if (!arguments.common.json) print_result(result, tracking);
   if (ok && !arguments.common.out.empty()) {
     print_next(arguments.common,

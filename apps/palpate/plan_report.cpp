@@ -53,7 +53,7 @@ plotting::LineSeries series(const std::string& name, const std::vector<pl::Coord
 
 nlohmann::json plan_report(const pl::Plan& plan, const std::optional<pl::TrackingError>& tracking) {
   auto invalid = nlohmann::json::array();
-  for (const pl::Fault& fault : plan.invalid) {
+  for (const pl::InvalidWaypoint& fault : plan.invalid) {
     invalid.push_back({{"waypoint", fault.waypoint}, {"reason", fault.reason}});
   }
   nlohmann::json report = {{"status", pl::to_string(plan.status)},
@@ -69,13 +69,13 @@ nlohmann::json plan_report(const pl::Plan& plan, const std::optional<pl::Trackin
   return report;
 }
 
-std::string describe_faults(const std::vector<pl::Fault>& faults) {
+std::string describe_invalid(const std::vector<pl::InvalidWaypoint>& invalid) {
   constexpr std::size_t kShown = 3;
   std::vector<std::string> lines;
-  for (std::size_t i = 0; i < std::min(kShown, faults.size()); ++i) {
-    lines.push_back(fmt::format("waypoint {}: {}", faults[i].waypoint, faults[i].reason));
+  for (std::size_t i = 0; i < std::min(kShown, invalid.size()); ++i) {
+    lines.push_back(fmt::format("waypoint {}: {}", invalid[i].waypoint, invalid[i].reason));
   }
-  if (faults.size() > kShown) lines.push_back(fmt::format("and {} more", faults.size() - kShown));
+  if (invalid.size() > kShown) lines.push_back(fmt::format("and {} more", invalid.size() - kShown));
   return fmt::format("{}", fmt::join(lines, "; "));
 }
 

@@ -15,7 +15,7 @@ nlohmann::json plan_report(const planning::Plan& plan,
                            const std::optional<planning::TrackingError>& tracking);
 
 /// One line of each waypoint's fault, the first ones.
-std::string describe_faults(const std::vector<planning::Fault>& faults);
+std::string describe_invalid(const std::vector<planning::InvalidWaypoint>& invalid);
 
 /// The samples with their times: t_s, x..roll, and the joints in free flexion.
 std::string path_csv(const std::vector<hand::HandCommand>& samples, const hand::Description& hand);

@@ -35,7 +35,7 @@ std::vector<Ghost> ghosts_of(const std::vector<evaluation::CrediblePose>& poses)
 
 evaluation::TrialOptions options_of(const recording::Recording& recording) {
   evaluation::TrialOptions options;
-  parse_toml(recording.header.config_toml, "the recording", options, Renamed::accepted);
+  parse_toml(recording.header.config_toml, "the recording", options, Earlier::accepted);
   return options;
 }
 
@@ -50,8 +50,8 @@ std::vector<PosteriorStep> history_of(const recording::Recording& recording,
 }
 
 std::string caption_of(const PosteriorStep& step, std::size_t touches, std::size_t poses) {
-  const std::string what = step.moment.mark == TouchEvent::held ? "lifted"
-                           : step.moment.mark == TouchEvent::closed
+  const std::string what = step.moment.event == TouchEvent::held ? "lifted"
+                           : step.moment.event == TouchEvent::closed
                                ? "grasped"
                                : fmt::format("touch {}", touches);
   const auto& modes = step.posterior.modes;
@@ -75,7 +75,7 @@ std::vector<Scene> scenes_of(const std::vector<PosteriorStep>& history, std::vec
   std::size_t touches = 0;
   for (const PosteriorStep& step : history) {
     const bool in_hand =
-        step.moment.mark == TouchEvent::closed || step.moment.mark == TouchEvent::held;
+        step.moment.event == TouchEvent::closed || step.moment.event == TouchEvent::held;
     touches += in_hand ? 0 : 1;
     auto ghosts = ghosts_of(evaluation::credible_poses(step.posterior, kMaxGhosts));
     std::string caption = caption_of(step, touches, ghosts.size());

@@ -35,7 +35,7 @@ struct Replayed {
 evaluation::TrialOptions replay_options(const recording::Recording& recording,
                                         const CommonOptions& common, const std::string& name) {
   evaluation::TrialOptions options;
-  parse_toml(recording.header.config_toml, name, options, Renamed::accepted);
+  parse_toml(recording.header.config_toml, name, options, Earlier::accepted);
   const evaluation::TrialOptions recorded = options;
   if (!common.config.empty()) load_toml(common.config, options);
   for (const auto& assignment : common.set) apply_setting(assignment, options);

@@ -9,6 +9,7 @@
 #include "interface_option.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/hand/tip_forces.hpp"
 #include "palpate/recording/touch_log.hpp"
 #include "palpate/ros2/read_bag.hpp"
 #include "palpate/skills/explore/calibrate_phase.hpp"
@@ -30,7 +31,7 @@ std::string value_of(const Metadata& metadata, const std::string& key) {
 evaluation::TrialOptions options_of(const Metadata& metadata, const std::string& path,
                                     const CommonOptions& common) {
   evaluation::TrialOptions options;
-  parse_toml(value_of(metadata, "config_toml"), path, options, Renamed::accepted);
+  parse_toml(value_of(metadata, "config_toml"), path, options, Earlier::accepted);
   const evaluation::TrialOptions recorded = options;
   if (!common.config.empty()) load_toml(common.config, options);
   for (const auto& assignment : common.set) apply_setting(assignment, options);
@@ -45,18 +46,13 @@ estimation::EventLog log_of(const ros2::Bag& bag) {
   return recording::event_log(recording);
 }
 
-int touching_fingers(const hand::HandReading& reading) {
-  return static_cast<int>(std::count_if(reading.contacts.begin(), reading.contacts.end(),
-                                        [](const auto& finger) { return !finger.empty(); }));
-}
-
 /// The reading at a time, or the last one in which enough fingers touch.
 std::size_t instant_of(const estimation::EventLog& log, std::optional<double> at,
                        const std::string& path) {
   const auto& readings = log.readings;
   const auto found =
       std::find_if(readings.rbegin(), readings.rend(), [&](const hand::HandReading& reading) {
-        return at ? reading.time <= *at : touching_fingers(reading) >= kFingers;
+        return at ? reading.time <= *at : hand::touching_fingers(reading) >= kFingers;
       });
   if (found != readings.rend()) return static_cast<std::size_t>(readings.rend() - found) - 1;
   if (at) throw BadInput(fmt::format("--at {}: {} has no reading before", *at, path));

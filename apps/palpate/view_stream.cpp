@@ -36,7 +36,7 @@ int view_stream(const StreamArguments& arguments, const std::function<LiveView&(
   const auto object = geometry::load_known_object(arguments.object);
   const Interrupt interrupt;
   bridge::Participant participant(arguments.domain ? *arguments.domain : bridge::default_domain());
-  const recording::Header header{std::string(version()), 0, object, hand, "", false};
+  const recording::RecordingHeader header{std::string(version()), 0, object, hand, "", false};
   const auto page = open().begin(header, fmt::format("{} in {}", arguments.object, hand.name));
   bridge::StreamWatcher watcher(
       participant, hand, arguments.interface, *page,

@@ -77,7 +77,7 @@ def training_set(seed):
             "palpate train relocate --config configs/relocate_dapg.toml --method dapg --expert "
             f"relocate-memoryless --demonstrations 60 --iterations 30 --seed {seed} --threads 2 "
             "--set task.solver=fast --set npg.episode.horizon=99 --set bc.log_std=-3.5 "
-            "--set npg.least_log_std=-5 --set bc.epochs=300 --out {work}/dapg",
+            "--set npg.min_log_std=-5 --set bc.epochs=300 --out {work}/dapg",
             "palpate rollout {work}/dapg/policy.json --episodes 1 --record 1 --seed 9100 "
             "--out {work}/run",
             "palpate render {work}/run/episode-0.h5 --size 320x240 --video --speed 1 "

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "palpate/tactile/contacts/contact_window.hpp"
 #include "rooms.hpp"
 
 namespace palpate::python {
@@ -35,16 +36,12 @@ auto answer_of(const Part& part, Raised& raised, const char* method, const Conve
       fmt::format("{}() returned {}, not {}", method, nb::repr(answer).c_str(), wanted));
 }
 
-TipContact tip_contact(const tactile::Contact& contact) {
-  return {contact.p, contact.n, contact.f, contact.point_sigma, contact.normal_sigma};
-}
-
 /// Contacts, or a list of TipContact.
 std::vector<TipContact> tip_contacts(nb::handle answer) {
   std::vector<TipContact> felt;
   if (nb::isinstance<Contacts>(answer)) {
     for (const tactile::Contact& contact : nb::cast<const Contacts&>(answer).list) {
-      felt.push_back(tip_contact(contact));
+      felt.push_back(tactile::tip_contact(contact));
     }
   } else if (!nb::try_cast(answer, felt)) {
     refuse("read", "Contacts, a list of TipContact, or None", answer);

@@ -141,7 +141,7 @@ Plan plan(nb::object waypoints, Scene& scene, std::uint64_t seed, const nb::dict
               found.unreachable,      rows_of(found.samples),
               rows_of(found.corners), found.arrivals,
               found.checks,           found.seconds};
-  for (const pl::Fault& fault : found.invalid)
+  for (const pl::InvalidWaypoint& fault : found.invalid)
     result.faults.emplace_back(fault.waypoint, fault.reason);
   return result;
 }

@@ -22,10 +22,10 @@ struct HandServer::Impl {
   ros2::RobotInterface interface;
   HandServerOptions options;
   RawReader joint_commands, position_commands, mount_commands;
-  Writer<ros2::JointState> joints, actuators;
-  Writer<ros2::WrenchStamped> wrench;
-  Writer<ros2::TFMessage> tf;
-  std::deque<Writer<ros2::PointCloud2>> contacts;
+  TopicWriter<ros2::JointState> joints, actuators;
+  TopicWriter<ros2::WrenchStamped> wrench;
+  TopicWriter<ros2::TFMessage> tf;
+  std::deque<TopicWriter<ros2::PointCloud2>> contacts;
   std::uint64_t start_time, ticks = 0, messages = 0, malformed = 0;
 
   Impl(Participant& at, hand::Hand& served, const hand::Description& described,

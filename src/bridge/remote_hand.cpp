@@ -38,9 +38,9 @@ struct RemoteHand::Impl {
   RemoteHandOptions options;
   ros2::ReadingStream stream;
   std::deque<RawReader> readers;
-  std::optional<Writer<ros2::JointTrajectory>> joints;
-  std::optional<Writer<ros2::Float64MultiArray>> positions;  // in their place
-  Writer<ros2::PoseStamped> mount;
+  std::optional<TopicWriter<ros2::JointTrajectory>> joints;
+  std::optional<TopicWriter<ros2::Float64MultiArray>> positions;  // in their place
+  TopicWriter<ros2::PoseStamped> mount;
   std::deque<JointMessage> waiting;  // joint states, the other parts of which may be on their way
   std::optional<hand::HandReading> last;
   std::uint64_t stamp = wall_clock();  // of commands: later than those of any before

@@ -103,14 +103,20 @@ const OptionField* renamed_field(std::string_view key, const std::vector<OptionF
   return nullptr;
 }
 
-const OptionField& find_field(std::string_view key, const std::vector<OptionField>& fields,
-                              const std::string& where, Renamed accept) {
+/// @return nothing for an option that is gone, where that is accepted
+const OptionField* find_field(std::string_view key, const std::vector<OptionField>& fields,
+                              const std::string& where, Earlier accept) {
   const auto found = std::find_if(fields.begin(), fields.end(),
                                   [&](const OptionField& field) { return field.key == key; });
-  if (found != fields.end()) return *found;
+  if (found != fields.end()) return &*found;
   const OptionField* now = renamed_field(key, fields);
-  if (now && accept == Renamed::accepted) return *now;
+  if (now && accept == Earlier::accepted) return now;
   if (now) throw BadInput(fmt::format("{}option {} is now {}", where, key, now->key));
+  if (const std::string_view reason = removed_option(key); !reason.empty()) {
+    if (accept == Earlier::accepted) return nullptr;
+    throw UnknownOption(fmt::format("{}option {} is gone: {}", where, key, reason),
+                        std::string(key));
+  }
   throw UnknownOption(
       fmt::format("{}unknown option {}{}", where, key, suggestion(renamed_option(key), fields)),
       std::string(key));
@@ -162,8 +168,9 @@ std::string place(std::string_view source, const toml::source_region& region) {
   return fmt::format("{}:{}: ", source, region.begin.line);
 }
 
-/// Whether some option is in the section, by its present or an earlier name.
+/// Whether some option is in the section, by its present or an earlier name, or was.
 bool is_section(const std::string& key, const std::vector<OptionField>& fields) {
+  if (!removed_option(key + ".").empty()) return true;
   const std::string prefix = renamed_option(key + ".");
   return std::any_of(fields.begin(), fields.end(), [&](const OptionField& field) {
     const bool expert = field.key.starts_with(kExpertSection);
@@ -174,14 +181,15 @@ bool is_section(const std::string& key, const std::vector<OptionField>& fields) 
 }
 
 void assign_table(const toml::table& table, const std::string& prefix, std::string_view source,
-                  const std::vector<OptionField>& fields, Renamed accept) {
+                  const std::vector<OptionField>& fields, Earlier accept) {
   for (const auto& [name, node] : table) {
     const std::string key = prefix + std::string(name.str());
     if (node.is_table() && is_section(key, fields)) {
       assign_table(*node.as_table(), key + ".", source, fields, accept);
     } else {
       const std::string where = place(source, name.source());
-      assign(find_field(key, fields, where, accept), written_in_toml(node), where);
+      const OptionField* const field = find_field(key, fields, where, accept);
+      if (field) assign(*field, written_in_toml(node), where);
     }
   }
 }
@@ -236,7 +244,7 @@ std::vector<OptionField> OptionCollector::take() {
 }
 
 void assign_toml(std::string_view text, std::string_view source,
-                 const std::vector<OptionField>& fields, Renamed accept) {
+                 const std::vector<OptionField>& fields, Earlier accept) {
   try {
     check_depth(text, source);
     assign_table(toml::parse(text), "", source, fields, accept);
@@ -255,8 +263,8 @@ void assign_setting(std::string_view assignment, const std::vector<OptionField>&
   if (trimmed(assignment.substr(0, equals)).empty()) {
     throw BadInput(fmt::format("'{}' has no key: the form is KEY=VALUE", assignment));
   }
-  const auto& field =
-      find_field(trimmed(assignment.substr(0, equals)), fields, "", Renamed::refused);
+  const OptionField& field =
+      *find_field(trimmed(assignment.substr(0, equals)), fields, "", Earlier::refused);
   assign(field, written_in_setting(field, trimmed(assignment.substr(equals + 1))), "");
 }
 

@@ -5,6 +5,8 @@
 #include <array>
 #include <utility>
 
+#include "palpate/core/options.hpp"
+
 namespace palpate {
 namespace {
 
@@ -28,7 +30,7 @@ constexpr std::array<Rename, 11> kRenamedKeys{{
 }};
 
 /// Parts of keys, between dots.
-constexpr std::array<Rename, 40> kRenamedParts{{
+constexpr std::array<Rename, 44> kRenamedParts{{
     {"felt", "tracking"},
     {"feel", "height_probe"},
     {"locate", "estimation"},
@@ -43,6 +45,10 @@ constexpr std::array<Rename, 40> kRenamedParts{{
     {"false_truth", "corrupted_truth"},
     {"twist", "torsional_friction_radius"},
     {"most_touches", "max_touches"},
+    {"most_points", "max_points"},
+    {"most_force", "max_force"},
+    {"least_gap", "min_gap"},
+    {"least_log_std", "min_log_std"},
     {"most", "max"},
     {"least", "min"},
     {"least_depth", "min_depth"},
@@ -71,6 +77,46 @@ constexpr std::array<Rename, 40> kRenamedParts{{
     {"size_doubt", "size_prior"},
 }};
 
+/// A key, or a section that ends with a dot, by its present name and without "expert.", and why it
+/// is gone.
+struct Removal {
+  std::string_view key, reason;
+};
+
+constexpr std::string_view kPosture = "the postures are those of the hand's description";
+constexpr std::string_view kUnread = "the forward model never used it";
+constexpr std::string_view kExact = "the forward model has neither noise nor errors";
+constexpr std::array<Removal, 27> kRemoved{{
+    {"palpation.rolls", "a held object is no longer rolled between the fingers"},
+    {"estimation.errors.link", "the hand's description has the errors of its links"},
+    {"grasp.steep_pitch", kPosture},
+    {"grasp.closing_angle", kPosture},
+    // What holds of grasp.top does so of grasp.side.
+    {"grasp.top.pitch", kPosture},
+    {"grasp.top.roll", kPosture},
+    {"grasp.top.offset_x", kPosture},
+    {"grasp.top.offset_y", kPosture},
+    {"grasp.top.height", kPosture},
+    {"grasp.top.thumb_base", kPosture},
+    {"grasp.top.thumb_opposition", kPosture},
+    {"grasp.top.thumb_middle", kPosture},
+    {"grasp.top.proximal", kPosture},
+    {"grasp.top.distal", kPosture},
+    {"grasp.top.spread", kPosture},
+    {"grasp.top.little_base", kPosture},
+    {"grasp.top.thumb_limit", kPosture},
+    {"grasp.top.contact_torque.", kPosture},
+    {"grasp.top.hold_torque.", kPosture},
+    {"grasp.top.wait_for_all", kPosture},
+    {"forward_model.hand", "the forward model is of the hand that the robot has"},
+    {"forward_model.biotacs", kUnread},
+    {"forward_model.second_object", "the forward model holds the object alone"},
+    {"forward_model.corrupted_truth", kUnread},
+    {"forward_model.integral.", "the forward model has no integral action"},
+    {"forward_model.noise.", kExact},
+    {"forward_model.error.", kExact},
+}};
+
 std::string_view renamed_part(std::string_view part) {
   const auto* const found = std::find_if(kRenamedParts.begin(), kRenamedParts.end(),
                                          [&](const Rename& one) { return one.first == part; });
@@ -93,6 +139,17 @@ std::string renamed_option(std::string_view key) {
   }
   const auto* const whole = std::ranges::find(kRenamedKeys, result, &Rename::first);
   return whole == kRenamedKeys.end() ? result : std::string(whole->second);
+}
+
+std::string_view removed_option(std::string_view key) {
+  if (key.starts_with(kExpertSection)) key.remove_prefix(kExpertSection.size());
+  constexpr std::string_view kSide = "grasp.side.", kTop = "grasp.top.";
+  std::string present = renamed_option(key);
+  if (present.starts_with(kSide)) present.replace(0, kSide.size(), kTop);
+  const auto* const found = std::ranges::find_if(kRemoved, [&](const Removal& one) {
+    return one.key.ends_with('.') ? present.starts_with(one.key) : present == one.key;
+  });
+  return found == kRemoved.end() ? std::string_view() : found->reason;
 }
 
 }  // namespace palpate

@@ -10,4 +10,8 @@ namespace palpate {
 /// @param key  with its sections, as in "locate.window"
 std::string renamed_option(std::string_view key);
 
+/// Why an option of an earlier version is gone, in one line; empty for any other key.
+/// @param key  with its sections; a section with a dot at its end
+std::string_view removed_option(std::string_view key);
+
 }  // namespace palpate

@@ -38,10 +38,10 @@ double lightest(const Candidates& candidates) {
 }
 
 /// Latest reading of a kind since the hand let go for good.
-const hand::HandReading* reading_at(const EventLog& log, TouchEvent mark) {
+const hand::HandReading* reading_at(const EventLog& log, TouchEvent event) {
   const hand::HandReading* reading = nullptr;
   for (const auto& moment : log.since_release()) {
-    if (moment.mark == mark) reading = &log.readings[moment.reading];
+    if (moment.event == event) reading = &log.readings[moment.reading];
   }
   return reading;
 }
@@ -136,9 +136,9 @@ void add_height(const KnownObject& object, const hand::Description& hand, const 
 /// All moments up to the last one that bears on how the object rests.
 std::vector<EventLog::Moment> moments_of_resting(const EventLog& log) {
   const auto bears = [](const EventLog::Moment& moment) {
-    return moment.mark == TouchEvent::height_probed || moment.mark == TouchEvent::touched ||
-           moment.mark == TouchEvent::missed || moment.mark == TouchEvent::fallen ||
-           moment.mark == TouchEvent::opened || moment.mark == TouchEvent::released;
+    return moment.event == TouchEvent::height_probed || moment.event == TouchEvent::touched ||
+           moment.event == TouchEvent::missed || moment.event == TouchEvent::fallen ||
+           moment.event == TouchEvent::opened || moment.event == TouchEvent::released;
   };
   const auto last = std::find_if(log.moments.rbegin(), log.moments.rend(), bears);
   return {log.moments.begin(), last.base()};
@@ -148,7 +148,7 @@ std::vector<EventLog::Moment> moments_of_resting(const EventLog& log) {
 /// @param before_lift  in the hand's base
 /// @param probability  of the object
 /// @param posterior  in the world
-void compare_with_tracked(const HeldObject& held, const localization::Posterior& before_lift,
+void compare_with_tracked(const GraspHistory& held, const localization::Posterior& before_lift,
                           double probability, localization::Posterior& posterior) {
   const auto lifts = held.log.all(TouchEvent::held);
   const auto lift = std::upper_bound(lifts.begin(), lifts.end(), held.closed);
@@ -321,7 +321,7 @@ localization::ObjectHypothesis PoseEstimator::hold(std::size_t candidate,
     if (!any) {
       evidence.table = table_at_closing(object, hand, log, options_);
     } else {
-      HeldObject held{*candidates_[candidate], hand, log, closed.front(), at, options_, seed_};
+      GraspHistory held{*candidates_[candidate], hand, log, closed.front(), at, options_, seed_};
       evidence.prior = prior_after_grasp(held, resting);
       if (log.hangs_at(at) && has_pose(before_lift_[candidate])) {
         held.closed = closed.back();

@@ -7,7 +7,7 @@ namespace palpate::estimation {
 
 std::vector<EventLog::Moment> EventLog::since_release() const {
   const auto release = std::find_if(moments.rbegin(), moments.rend(), [](const Moment& moment) {
-    return moment.mark == TouchEvent::released;
+    return moment.event == TouchEvent::released;
   });
   return {release.base(), moments.end()};
 }
@@ -16,7 +16,7 @@ std::vector<EventLog::Moment> EventLog::since_opening() const {
   const auto moments_held = since_release();
   const auto opening =
       std::find_if(moments_held.rbegin(), moments_held.rend(),
-                   [](const Moment& moment) { return moment.mark == TouchEvent::opened; });
+                   [](const Moment& moment) { return moment.event == TouchEvent::opened; });
   return {opening.base(), moments_held.end()};
 }
 
@@ -29,19 +29,19 @@ std::optional<EventLog> EventLog::before_opening() const {
       {readings.begin(), readings.begin() + count}, {moments.begin(), opening}, T_world_table};
 }
 
-EventLog EventLog::until(TouchEvent mark) const {
+EventLog EventLog::until(TouchEvent event) const {
   const auto last = std::find_if(moments.rbegin(), moments.rend(),
-                                 [&](const Moment& moment) { return moment.mark == mark; });
+                                 [&](const Moment& moment) { return moment.event == event; });
   if (last == moments.rend()) return *this;
   const auto count = static_cast<std::ptrdiff_t>(last->reading) + 1;
   return {
       {readings.begin(), readings.begin() + count}, {moments.begin(), last.base()}, T_world_table};
 }
 
-std::optional<std::size_t> EventLog::at(TouchEvent mark) const {
+std::optional<std::size_t> EventLog::at(TouchEvent event) const {
   std::optional<std::size_t> reading;
   for (const Moment& moment : since_opening()) {
-    if (moment.mark == mark) reading = moment.reading;
+    if (moment.event == event) reading = moment.reading;
   }
   return reading;
 }
@@ -50,16 +50,16 @@ bool EventLog::hangs_at(std::size_t reading) const {
   bool hangs = false;
   for (const Moment& moment : since_opening()) {
     if (moment.reading > reading) break;
-    if (moment.mark == TouchEvent::held) hangs = true;
-    if (moment.mark == TouchEvent::closed || moment.mark == TouchEvent::placed) hangs = false;
+    if (moment.event == TouchEvent::held) hangs = true;
+    if (moment.event == TouchEvent::closed || moment.event == TouchEvent::placed) hangs = false;
   }
   return hangs;
 }
 
-std::vector<std::size_t> EventLog::all(TouchEvent mark) const {
+std::vector<std::size_t> EventLog::all(TouchEvent event) const {
   std::vector<std::size_t> all;
   for (const Moment& moment : since_opening()) {
-    if (moment.mark == mark) all.push_back(moment.reading);
+    if (moment.event == event) all.push_back(moment.reading);
   }
   return all;
 }

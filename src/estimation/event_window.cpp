@@ -8,8 +8,8 @@ namespace palpate::estimation {
 namespace {
 
 /// How long the hand has stood still at an event, s.
-double duration_of(TouchEvent mark, const EstimationOptions& options) {
-  switch (mark) {
+double duration_of(TouchEvent event, const EstimationOptions& options) {
+  switch (event) {
     case TouchEvent::touched:
       return 0.1;  // of a guarded move, which ends in it
     case TouchEvent::held:
@@ -28,10 +28,10 @@ std::span<const hand::HandReading> window_before(const EventLog& log, std::size_
   return std::span(log.readings).subspan(index + 1 - count, count);
 }
 
-std::span<const hand::HandReading> event_window(const EventLog& log, TouchEvent mark,
+std::span<const hand::HandReading> event_window(const EventLog& log, TouchEvent event,
                                                 std::size_t reading,
                                                 const EstimationOptions& options) {
-  return window_before(log, reading, duration_of(mark, options));
+  return window_before(log, reading, duration_of(event, options));
 }
 
 }  // namespace palpate::estimation

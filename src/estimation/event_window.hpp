@@ -13,7 +13,7 @@ std::span<const hand::HandReading> window_before(const EventLog& log, std::size_
 
 /// The readings that belong to an event of that kind at a reading: the last ones up to it, during
 /// which the hand stood as it did then. They are averaged.
-std::span<const hand::HandReading> event_window(const EventLog& log, TouchEvent mark,
+std::span<const hand::HandReading> event_window(const EventLog& log, TouchEvent event,
                                                 std::size_t reading,
                                                 const EstimationOptions& options);
 

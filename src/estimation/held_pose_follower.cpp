@@ -7,6 +7,7 @@
 
 #include "estimation/log_evidence.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/tip_forces.hpp"
 #include "palpate/localization/pose_prior.hpp"
 
 namespace palpate::estimation {
@@ -17,11 +18,6 @@ constexpr double kUnfollowed = 1e-3;  // probability that what was known does no
 constexpr double kSamePlace = 0.003;  // m between contacts of which one tells nothing new
 constexpr double kSameNormal = 0.9;   // cosine between their normals
 constexpr double kNever = -1e9;       // s
-
-int fingers_that_touch(const hand::HandReading& reading) {
-  return static_cast<int>(std::count_if(reading.contacts.begin(), reading.contacts.end(),
-                                        [](const auto& finger) { return !finger.empty(); }));
-}
 
 /// Of a motion with these standard deviations (rad, m) per axis.
 Matrix6d motion_covariance(double turn, double way) {
@@ -59,7 +55,7 @@ void HeldPoseFollower::update(const hand::HandReading& reading) {
   T_world_palm_ =
       reading.base.pose() *
       hand::forward_kinematics(hand_, reading.joints)[static_cast<std::size_t>(hand_.palm)];
-  if (fingers_that_touch(reading) >= options_.fingers) {
+  if (hand::touching_fingers(reading) >= options_.fingers) {
     touched_at_ = reading.time;
   } else if (reading.time - touched_at_ > options_.lost_after) {
     forget();
@@ -90,7 +86,7 @@ void HeldPoseFollower::forget() {
 bool HeldPoseFollower::due() const {
   if (log_.readings.empty()) return false;
   const hand::HandReading& last = log_.readings.back();
-  return fingers_that_touch(last) >= options_.fingers &&
+  return hand::touching_fingers(last) >= options_.fingers &&
          last.time - asked_at_ >= options_.period - 0.5 * hand::kTick;
 }
 
@@ -108,9 +104,10 @@ localization::PosePrior HeldPoseFollower::prior() const {
     return localization::prior_from(moved, periods * motion_covariance(turn, way));
   };
   localization::PosePrior prior;
-  localization::append(after(options_.turn_sigma, options_.way_sigma), 1 - options_.slip_share,
-                       prior);
-  localization::append(after(options_.slip_turn, options_.slip_way), options_.slip_share, prior);
+  localization::append(after(options_.rotation_sigma, options_.translation_sigma),
+                       1 - options_.slip_share, prior);
+  localization::append(after(options_.slip_rotation, options_.slip_translation),
+                       options_.slip_share, prior);
   localization::spread_elsewhere(kUnfollowed, prior);
   return prior;
 }

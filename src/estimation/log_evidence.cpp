@@ -135,8 +135,8 @@ void add_carried(std::vector<tactile::Contact> contacts, const Fingers& fingers,
 /// The last moment before a probe at which all fingers held the object.
 std::size_t holding_before(const EventLog& log, std::size_t probe) {
   std::size_t latest = log.all(TouchEvent::closed).front();
-  for (const TouchEvent mark : {TouchEvent::closed, TouchEvent::held}) {
-    for (const std::size_t reading : log.all(mark)) {
+  for (const TouchEvent event : {TouchEvent::closed, TouchEvent::held}) {
+    for (const std::size_t reading : log.all(event)) {
       if (reading < probe) latest = std::max(latest, reading);
     }
   }
@@ -190,7 +190,7 @@ localization::ForceBalance balance_of(const std::vector<tactile::Contact>& conta
   for (const auto& contact : contacts) balance.pushes.push_back({contact.p, contact.n, contact.f});
   balance.weight = -kGravity * mass * T_world_base.linear().row(2).transpose();
   balance.force_sigma = kForceSigma;
-  balance.twist = options.twist;
+  balance.torsional_friction_radius = options.torsional_friction_radius;
   return balance;
 }
 
@@ -210,17 +210,17 @@ Evidence evidence_of_guarded_moves(const hand::Description& hand, const EventLog
   auto offset = finger_offset(hand, hand.thumb == 0 ? 1 : 0);
   std::size_t guarded_move = 0, count = 0;
   for (const auto& moment : log.since_release()) {
-    if (moment.mark == TouchEvent::guarded_move) guarded_move = moment.reading;
-    if (moment.mark != TouchEvent::touched && moment.mark != TouchEvent::missed) continue;
+    if (moment.event == TouchEvent::guarded_move) guarded_move = moment.reading;
+    if (!ends_guarded_move(moment.event)) continue;
     if (count++ < skipped) continue;
-    const bool touched = moment.mark == TouchEvent::touched;
+    const bool touched = moment.event == TouchEvent::touched;
     add_swept_tip(hand, log, guarded_move, moment.reading, touched ? kTouchMargin : 0.0,
                   evidence.free_space);
     if (!touched) continue;
     const int finger = probing_finger(hand, log.readings[moment.reading]);
     if (offset.members.empty()) offset = finger_offset(hand, finger);
     const Eigen::Isometry3d T_world_base = log.readings[moment.reading].base.pose();
-    const auto window = event_window(log, moment.mark, moment.reading, options);
+    const auto window = event_window(log, moment.event, moment.reading, options);
     for (auto contact : mean_contacts(window, hand, options.errors)) {
       transform(T_world_base, contact);
       contact.point_sigma = std::hypot(contact.point_sigma, push);
@@ -236,9 +236,9 @@ Evidence evidence_in_hand(const hand::Description& hand, const EventLog& log,
                           const Instant& instant, double mass, const EstimationOptions& options) {
   Evidence evidence;
   const std::size_t present = instant.reading;
-  const TouchEvent mark = instant.hangs ? TouchEvent::held : TouchEvent::closed;
+  const TouchEvent event = instant.hangs ? TouchEvent::held : TouchEvent::closed;
   evidence.contacts =
-      mean_contacts(event_window(log, mark, present, options), hand, options.errors);
+      mean_contacts(event_window(log, event, present, options), hand, options.errors);
   evidence.false_contact_share = options.false_contacts;
   evidence.surface_sigma = options.surface_sigma;
   evidence.penetration_sigma = options.penetration_sigma;

@@ -16,22 +16,15 @@ namespace {
 constexpr std::size_t kFew = 2;       // contacts, which cannot overrule what is expected
 constexpr double kFloorOfFew = 1e-6;  // PosePrior::floor with these
 
-int touching_fingers(const hand::HandReading& reading) {
-  int count = 0;
-  for (const auto& contacts : reading.contacts) count += contacts.empty() ? 0 : 1;
-  return count;
-}
-
-std::size_t ticks(double seconds) {
-  return static_cast<std::size_t>(std::max(1L, std::lround(seconds / hand::kTick)));
-}
-
 }  // namespace
 
 OnlineTracker::OnlineTracker(const geometry::ObjectModel& object, const hand::Description& hand,
                              const localization::Posterior& resting,
                              const OnlineTrackerOptions& options, std::uint64_t seed)
-    : object_(object), hand_(hand), options_(options), random_(seed, "felt place") {
+    : object_(object),
+      hand_(hand),
+      options_(options),
+      random_(seed, "felt place") {  // the text seeds the stream
   if (resting.residual_mass() >= 1)
     throw BadInput("no pose from which an object could be followed");
   known_.posterior = coming_.posterior = resting;
@@ -42,9 +35,11 @@ void OnlineTracker::update(const hand::HandReading& reading) {
   const auto T_base_link = hand::forward_kinematics(hand_, reading.joints);
   palm_.push_back(reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.palm)]);
   follow();
-  if ((log_.readings.size() - 1) % ticks(options_.period) != 0) return;
+  if ((log_.readings.size() - 1) % static_cast<std::size_t>(hand::whole_ticks(options_.period)) !=
+      0)
+    return;
   known_ = coming_;
-  if (options_.estimate && touching_fingers(reading) >= options_.fingers) estimate();
+  if (options_.estimate && hand::touching_fingers(reading) >= options_.fingers) estimate();
 }
 
 /// The object goes with the palm as long as the hand, having risen, touches it.
@@ -72,11 +67,11 @@ Eigen::Isometry3d OnlineTracker::T_world_object() const {
 /// along with the palm that has touched it since.
 localization::PosePrior OnlineTracker::expected() const {
   const std::size_t since = std::max(coming_.reading, touched_.value_or(palm_.size() - 1));
-  const double periods =
-      static_cast<double>(palm_.size() - 1 - since) / static_cast<double>(ticks(options_.period));
+  const double periods = static_cast<double>(palm_.size() - 1 - since) /
+                         static_cast<double>(hand::whole_ticks(options_.period));
   Vector6d variance;
-  variance << Eigen::Vector3d::Constant(std::pow(options_.turn_sigma, 2)),
-      Eigen::Vector3d::Constant(std::pow(options_.way_sigma, 2));
+  variance << Eigen::Vector3d::Constant(std::pow(options_.rotation_sigma, 2)),
+      Eigen::Vector3d::Constant(std::pow(options_.translation_sigma, 2));
   const Matrix6d covariance = (std::max(1.0, periods) * variance).asDiagonal();
   const Eigen::Isometry3d T_base_world = log_.readings.back().base.pose().inverse();
   localization::PosePrior prior;

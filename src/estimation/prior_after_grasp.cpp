@@ -29,7 +29,7 @@ constexpr double kStirred = 3.0;     // so many times as far, where it was turne
 using localization::PosePrior;
 
 /// The last lift up to the instant.
-std::optional<std::size_t> lifted(const HeldObject& held) {
+std::optional<std::size_t> lifted(const GraspHistory& held) {
   std::optional<std::size_t> last;
   for (const std::size_t reading : held.log.all(TouchEvent::held)) {
     if (reading > held.closed && reading <= held.at) last = reading;
@@ -40,7 +40,7 @@ std::optional<std::size_t> lifted(const HeldObject& held) {
 /// How the object has moved from the closed hand to the lifted one, in the hand's base, as its
 /// contacts wander over it.
 /// @param posterior  at the closed hand, in the base
-Eigen::Isometry3d tracked_motion(const HeldObject& held, std::size_t lifted,
+Eigen::Isometry3d tracked_motion(const GraspHistory& held, std::size_t lifted,
                                  const localization::Posterior& posterior) {
   return track_best_mode(held, lifted, posterior).T_frame_object *
          posterior.modes.front().T_frame_object.inverse();
@@ -55,7 +55,7 @@ struct MeasuredMotion {
 
 /// Where two fingertips hold it, it may have swung as it was tracked, or not at all.
 /// @param posterior  at the closed hand, in the base
-std::vector<MeasuredMotion> measured_motions(const HeldObject& held,
+std::vector<MeasuredMotion> measured_motions(const GraspHistory& held,
                                              const localization::Posterior& posterior) {
   const auto move_from = [&](std::size_t first) {
     return in_hand_motion(held.hand, held.log, first, held.at, held.options.errors);
@@ -98,7 +98,7 @@ void loosen(const localization::FreeAxis& axis, double sigma, PosePrior& prior) 
 }
 
 /// In the hand's base, when it closed.
-Eigen::Vector3d up_at_closing(const HeldObject& held) {
+Eigen::Vector3d up_at_closing(const GraspHistory& held) {
   return held.log.readings[held.closed].base.pose().linear().row(2);
 }
 
@@ -116,7 +116,7 @@ using Disturbances = std::vector<Disturbance>;
 
 /// An object slides over the table until a second finger meets it, for it is light, or fingertips
 /// have pushed it; in the hand's base.
-Matrix6d pushed_covariance(const HeldObject& held) {
+Matrix6d pushed_covariance(const GraspHistory& held) {
   const double times = std::clamp(kSteadyMass / held.model.object().mass, 1.0, kFarther);
   const double more = times * times - 1;
   const double push = kPushShare * closing_push(held.hand, held.log, held.closed);
@@ -133,7 +133,7 @@ Matrix6d pushed_covariance(const HeldObject& held) {
 
 /// Pushed it slides, and what lies on a round side rocks as fingers close one after the other.
 /// @param resting  at closing, in the hand's base
-Disturbances disturbances(const HeldObject& held, const localization::Posterior& resting) {
+Disturbances disturbances(const GraspHistory& held, const localization::Posterior& resting) {
   const Matrix6d pushed = pushed_covariance(held);
   const Eigen::Vector3d up = up_at_closing(held);
   Disturbances result;
@@ -155,8 +155,8 @@ localization::Posterior disturbed(localization::Posterior posterior,
 /// @param before  at the reading `closed`, in the hand's base
 /// @param scale   of the motions that the fingertips do not measure
 /// @param disturbances  such motions besides
-PosePrior after_motion(const HeldObject& held, const localization::Posterior& before, double scale,
-                       const Disturbances& disturbances) {
+PosePrior after_motion(const GraspHistory& held, const localization::Posterior& before,
+                       double scale, const Disturbances& disturbances) {
   const EstimationOptions& options = held.options;
   PosePrior prior;
   for (const MeasuredMotion& measured : measured_motions(held, before)) {
@@ -178,7 +178,7 @@ PosePrior after_motion(const HeldObject& held, const localization::Posterior& be
 }
 
 /// Whether it has been moved on purpose since the hand closed, up to the instant.
-bool moved_since(const HeldObject& held) {
+bool moved_since(const GraspHistory& held) {
   return std::ranges::any_of(held.log.all(TouchEvent::table_touched), [&](std::size_t reading) {
     return reading > held.closed && reading <= held.at;
   });
@@ -186,13 +186,13 @@ bool moved_since(const HeldObject& held) {
 
 }  // namespace
 
-PosePrior prior_after_grasp(const HeldObject& held, localization::Posterior resting) {
+PosePrior prior_after_grasp(const GraspHistory& held, localization::Posterior resting) {
   transform(held.log.readings[held.closed].base.pose().inverse(), resting);
   const bool stirred = held.log.has_opened() || moved_since(held);
   return after_motion(held, resting, stirred ? kStirred : 1.0, disturbances(held, resting));
 }
 
-PosePrior prior_after_lift(const HeldObject& held, const localization::Posterior& before_lift) {
+PosePrior prior_after_lift(const GraspHistory& held, const localization::Posterior& before_lift) {
   return after_motion(held, before_lift, moved_since(held) ? kStirred : 1.0, {});
 }
 

@@ -6,7 +6,7 @@
 namespace palpate::estimation {
 
 /// An object in the closed hand, up to an instant.
-struct HeldObject {
+struct GraspHistory {
   const geometry::ObjectModel& model;
   const hand::Description& hand;
   const EventLog& log;
@@ -18,11 +18,12 @@ struct HeldObject {
 /// Where the object is in the hand's base at the instant, by how it rested: after a grasp that
 /// mostly moved it a little, and by what the fingertips measure of that motion.
 /// @param resting  in the world, with modes
-localization::PosePrior prior_after_grasp(const HeldObject& held, localization::Posterior resting);
+localization::PosePrior prior_after_grasp(const GraspHistory& held,
+                                          localization::Posterior resting);
 
 /// The same, by where it was in the closed hand before that lifted it.
 /// @param before_lift  at the reading `closed`, in the hand's base, with modes
-localization::PosePrior prior_after_lift(const HeldObject& held,
+localization::PosePrior prior_after_lift(const GraspHistory& held,
                                          const localization::Posterior& before_lift);
 
 /// One of two priors holds, each as likely.

@@ -13,7 +13,7 @@ constexpr double kTrackedShare = 0.4;  // that the pose is the one tracked, not 
 
 }  // namespace
 
-localization::Mode track_best_mode(const HeldObject& held, std::size_t until,
+localization::Mode track_best_mode(const GraspHistory& held, std::size_t until,
                                    const localization::Posterior& before_lift) {
   localization::Posterior start;
   start.modes = {before_lift.modes.front()};

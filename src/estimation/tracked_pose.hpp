@@ -7,10 +7,10 @@
 
 namespace palpate::estimation {
 
-/// The most probable pose at HeldObject::closed, tracked tick by tick to a later reading as the
+/// The most probable pose at GraspHistory::closed, tracked tick by tick to a later reading as the
 /// contacts wander over the object; in the hand's base.
 /// @param before_lift  at the reading `closed`, in the hand's base, with modes
-localization::Mode track_best_mode(const HeldObject& held, std::size_t until,
+localization::Mode track_best_mode(const GraspHistory& held, std::size_t until,
                                    const localization::Posterior& before_lift);
 
 /// Where the object was tracked to another pose (by 5 deg or 10 mm) than the most probable one, it

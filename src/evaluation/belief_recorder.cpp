@@ -26,12 +26,6 @@ constexpr std::size_t kBefore = 20;            // readings of the grasp that is 
 /// What the thread is told: a reading, an event of the pick, or that nothing follows.
 using Item = std::variant<hand::HandReading, TouchEvent, std::monostate>;
 
-bool is_guarded_move(TouchEvent event) {
-  return event == TouchEvent::touched || event == TouchEvent::missed;
-}
-
-bool is_grasp(TouchEvent event) { return event == TouchEvent::closed || event == TouchEvent::held; }
-
 bool lets_go(TouchEvent event) {
   return event == TouchEvent::released || event == TouchEvent::opened ||
          event == TouchEvent::placed || event == TouchEvent::fallen;
@@ -133,7 +127,7 @@ struct BeliefRecorder::Impl {
     log.moments.push_back({event, present});
     if (lets_go(event)) follower.reset();
     try {
-      if (is_guarded_move(event)) {
+      if (estimation::ends_guarded_move(event)) {
         tell(time, "touch", false,
              credible_poses(estimator.resting(hand(), log), kMaxPosesOfBelief));
       } else if (is_grasp(event)) {
@@ -170,7 +164,7 @@ BeliefRecorder::~BeliefRecorder() {
 void BeliefRecorder::frame(const recording::Frame& frame) { impl_->queue.push(frame.reading); }
 
 void BeliefRecorder::event(const recording::Event& event) {
-  if (const auto mark = recording::mark_of(event)) impl_->queue.push(*mark);
+  if (const auto touch = recording::touch_event_of(event)) impl_->queue.push(*touch);
 }
 
 std::vector<recording::BeliefRecord> BeliefRecorder::finish() {

@@ -40,10 +40,11 @@ double median_tip_force(const hand::HandReading& reading) {
 }
 
 /// Moments of a kind since the hand let go, of all grasps.
-int count(const estimation::EventLog& log, estimation::TouchEvent mark) {
+int count(const estimation::EventLog& log, estimation::TouchEvent event) {
   const auto moments = log.since_release();
-  return static_cast<int>(std::count_if(
-      moments.begin(), moments.end(), [mark](const auto& moment) { return moment.mark == mark; }));
+  return static_cast<int>(
+      std::count_if(moments.begin(), moments.end(),
+                    [event](const auto& moment) { return moment.event == event; }));
 }
 
 }  // namespace
@@ -173,9 +174,9 @@ double Evaluator::motion_while_explored(const estimation::EventLog& log) const {
   };
   std::optional<std::size_t> first, last;
   for (const auto& moment : log.since_release()) {
-    if (moment.mark == estimation::TouchEvent::guarded_move && !first) first = moment.reading;
-    if (moment.mark == estimation::TouchEvent::touched ||
-        moment.mark == estimation::TouchEvent::missed)
+    if (moment.event == estimation::TouchEvent::guarded_move && !first) first = moment.reading;
+    if (moment.event == estimation::TouchEvent::touched ||
+        moment.event == estimation::TouchEvent::missed)
       last = moment.reading;
   }
   return first && last ? (place(*last) - place(*first)).norm() : 0;

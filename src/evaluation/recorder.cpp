@@ -14,7 +14,7 @@
 namespace palpate::evaluation {
 namespace {
 
-constexpr std::string_view kMarkPrefix = "mark ";
+constexpr std::string_view kEventPrefix = "mark ";
 constexpr std::size_t kMaxPoses = 60;  // of a posterior, in a note
 
 recording::PoseModeRecord to_record(const localization::Mode& mode) {
@@ -49,11 +49,11 @@ void Recorder::frame(const hand::HandReading& reading, const hand::HandCommand& 
   sink_->frame({reading, command, recording::FrameTruth{truth.T_world_object, truth.joints}});
 }
 
-void Recorder::mark(estimation::TouchEvent mark) {
+void Recorder::mark(estimation::TouchEvent event) {
   if (!sink_) return;
   sink_->event({time_, recording::EventKind::note, phase_,
-                std::string(kMarkPrefix)
-                    .append(estimation::kTouchEventNames[static_cast<std::size_t>(mark)])});
+                std::string(kEventPrefix)
+                    .append(estimation::kTouchEventNames[static_cast<std::size_t>(event)])});
 }
 
 void Recorder::posterior(const localization::Posterior& posterior) {

@@ -153,7 +153,7 @@ planning::Fixture place_fixture(const geometry::KnownObject& object,
 std::vector<TrialEvent> trial_events(const estimation::EventLog& log) {
   std::vector<TrialEvent> events;
   for (const auto& moment : log.moments) {
-    events.push_back({moment.mark, log.readings[moment.reading].time});
+    events.push_back({moment.event, log.readings[moment.reading].time});
   }
   return events;
 }
@@ -202,7 +202,7 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
                             evaluator.observe(reading);
                             recorder.frame(reading, command);
                           },
-                          [&](estimation::TouchEvent mark) { recorder.mark(mark); },
+                          [&](estimation::TouchEvent event) { recorder.mark(event); },
                           [&](const auto& posterior) { recorder.posterior(posterior); }},
                          &models, {options.safety, std::move(stop)});
   skills::PhaseObserver observers = recorder.phases_and(observer);

@@ -75,10 +75,6 @@ class Stretch {
   ArmVector last_;
 };
 
-BasePosition between(const BasePosition& a, const BasePosition& b, double share) {
-  return {a.xyz + share * (b.xyz - a.xyz), a.ypr + share * (b.ypr - a.ypr)};
-}
-
 void append_line(std::vector<BasePosition>& way, const BasePosition& to) {
   const BasePosition from = way.back();
   const double turn = (to.ypr - from.ypr).cwiseAbs().maxCoeff();

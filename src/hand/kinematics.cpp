@@ -9,6 +9,10 @@
 
 namespace palpate::hand {
 
+int whole_ticks(double seconds) {
+  return std::max(1, static_cast<int>(std::lround(seconds / kTick)));
+}
+
 Eigen::Isometry3d BasePosition::pose() const {
   Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();
   T_world_base.translation() = xyz;
@@ -24,6 +28,10 @@ BasePosition BasePosition::at(const Eigen::Isometry3d& T_world_base) {
   return {T_world_base.translation(),
           {std::atan2(R(1, 0), R(0, 0)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
            std::atan2(R(2, 1), R(2, 2))}};
+}
+
+BasePosition between(const BasePosition& a, const BasePosition& b, double share) {
+  return {a.xyz + share * (b.xyz - a.xyz), a.ypr + share * (b.ypr - a.ypr)};
 }
 
 std::vector<Eigen::Isometry3d> forward_kinematics(const Description& hand,

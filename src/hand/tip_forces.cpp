@@ -15,6 +15,11 @@ int count_contacts(const HandReading& reading, double least) {
   return count;
 }
 
+int touching_fingers(const HandReading& reading) {
+  return static_cast<int>(
+      std::ranges::count_if(reading.contacts, [](const auto& finger) { return !finger.empty(); }));
+}
+
 double tip_force(const HandReading& reading, int finger) {
   double force = 0;
   for (const auto& contact : reading.contacts[static_cast<std::size_t>(finger)]) {

@@ -66,9 +66,9 @@ double entropy(std::vector<WeightedPose> poses, const SamePose& same) {
   return sum;
 }
 
-Consensus consensus(const std::vector<WeightedPose>& poses,
-                    const std::vector<Eigen::Matrix3d>& symmetries, const SamePose& same) {
-  Consensus best;
+PoseConsensus consensus(const std::vector<WeightedPose>& poses,
+                        const std::vector<Eigen::Matrix3d>& symmetries, const SamePose& same) {
+  PoseConsensus best;
   const SymmetryGroup group(symmetries);
   double total = 0;
   for (const auto& pose : poses) total += pose.weight;

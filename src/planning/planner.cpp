@@ -205,7 +205,7 @@ Plan plan(const std::vector<Waypoint>& waypoints, CollisionChecker& scene,
   }
   const auto began = std::chrono::steady_clock::now();
   Plan result;
-  result.invalid = find_faults(waypoints, scene, options.base);
+  result.invalid = find_invalid_waypoints(waypoints, scene, options.base);
   std::vector<Coordinates> coordinates;
   for (const Waypoint& waypoint : waypoints) {
     coordinates.push_back(coordinates_of(command_of(waypoint, scene.hand())));

@@ -56,7 +56,7 @@ geometry::KnownObject object_from_json(const json& j) {
 
 }  // namespace
 
-json to_json(const Header& header) {
+json to_json(const RecordingHeader& header) {
   json j = {{"program_version", header.program_version},
             {"seed", header.seed},
             {"config_toml", header.config_toml},
@@ -66,7 +66,7 @@ json to_json(const Header& header) {
   return j;
 }
 
-Header header_from_json(const json& j) {
+RecordingHeader header_from_json(const json& j) {
   return {.program_version = j.at("program_version").get<std::string>(),
           .seed = j.at("seed").get<std::uint64_t>(),
           .object = object_from_json(j.at("object")),

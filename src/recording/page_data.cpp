@@ -104,7 +104,7 @@ json frame_to_json(const Frame& frame, const hand::Description& hand) {
 }
 
 json page_data(const Recording& recording, const hand::HandVisuals& visuals) {
-  const Header& header = recording.header;
+  const RecordingHeader& header = recording.header;
   json data = {{"program_version", header.program_version},
                {"seed", std::to_string(header.seed)},
                {"finished", recording.finished},

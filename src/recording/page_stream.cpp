@@ -22,7 +22,7 @@ double wall_clock_ms() {
 }  // namespace
 
 struct PageStream::Impl {
-  Header header;
+  RecordingHeader header;
   Send send_message;
   Options options;
   std::mutex mutex;
@@ -50,7 +50,8 @@ struct PageStream::Impl {
   }
 };
 
-PageStream::PageStream(Header header, Send send, const Options& options) : impl_(new Impl) {
+PageStream::PageStream(RecordingHeader header, Send send, const Options& options)
+    : impl_(new Impl) {
   impl_->header = std::move(header);
   impl_->send_message = std::move(send);
   impl_->options = options;

@@ -16,7 +16,7 @@ namespace palpate::recording {
 namespace {
 
 /// Whether the contacts tell of their errors: from version 4 on the header says so.
-bool has_errors(const Seal& seal, const Header& header) {
+bool has_errors(const Seal& seal, const RecordingHeader& header) {
   constexpr int kErrorsByVersion = 3;
   return seal.version == kErrorsByVersion ||
          (seal.version > kErrorsByVersion && header.sensor_reported_errors);
@@ -54,9 +54,9 @@ geometry::TriangleMesh read_mesh(const H5::H5File& file) {
   return mesh;
 }
 
-Header read_header(const H5::H5File& file) {
+RecordingHeader read_header(const H5::H5File& file) {
   const std::vector<char> text = read_rows<char>(file, kHeaderText, 1);
-  Header header = header_from_json(parse_json({text.begin(), text.end()}));
+  RecordingHeader header = header_from_json(parse_json({text.begin(), text.end()}));
   header.object.mesh = read_mesh(file);
   return header;
 }
@@ -130,7 +130,8 @@ std::vector<std::int16_t> read_biotacs(const H5::H5File& file, const Seal& seal,
   return read_rows<std::int16_t>(file, kBiotacs, width);
 }
 
-std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal, const Header& header) {
+std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal,
+                               const RecordingHeader& header) {
   const hand::Description& hand = header.hand;
   const bool sensor_reported_errors = has_errors(seal, header);
   const std::size_t fingers = hand.fingers.size();
@@ -183,7 +184,7 @@ std::vector<Frame> read_frames(const H5::H5File& file, const Seal& seal, const H
 Recording read_contents(const std::filesystem::path& path, const Seal& seal) {
   const unsigned access = seal.finished ? H5F_ACC_RDONLY : H5F_ACC_RDONLY | H5F_ACC_SWMR_READ;
   const H5::H5File file(path.string(), access, H5::FileCreatPropList::DEFAULT, file_access());
-  Header header = read_header(file);
+  RecordingHeader header = read_header(file);
   auto frames = read_frames(file, seal, header);
   return {.header = std::move(header),
           .frames = std::move(frames),

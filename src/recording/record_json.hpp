@@ -8,10 +8,10 @@
 namespace palpate::recording {
 
 /// The header but for the object's mesh.
-nlohmann::json to_json(const Header& header);
+nlohmann::json to_json(const RecordingHeader& header);
 /// @throws BadInput or nlohmann::json::exception for a value that is missing, of the wrong kind or
 ///         size, not finite, or out of its range
-Header header_from_json(const nlohmann::json& json);
+RecordingHeader header_from_json(const nlohmann::json& json);
 
 nlohmann::json to_json(const Event& event);
 Event event_from_json(const nlohmann::json& json);

@@ -48,8 +48,8 @@ std::string replay_page(const Recording& recording, const hand::HandVisuals& vis
   return page_of(page_data(recording, visuals), page, script, title);
 }
 
-std::string live_page(const Header& header, const hand::HandVisuals& visuals, std::string_view page,
-                      std::string_view script, std::string_view title) {
+std::string live_page(const RecordingHeader& header, const hand::HandVisuals& visuals,
+                      std::string_view page, std::string_view script, std::string_view title) {
   Recording nothing_yet;
   nothing_yet.header = header;
   auto data = page_data(nothing_yet, visuals);

@@ -14,7 +14,7 @@
 namespace palpate::recording {
 namespace {
 
-constexpr std::string_view kMarkPrefix = "mark ";
+constexpr std::string_view kEventPrefix = "mark ";
 
 /// Names in recordings of earlier programs.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kFormerNames = {
@@ -29,13 +29,13 @@ std::string present_name(std::string name) {
 
 }  // namespace
 
-std::optional<estimation::TouchEvent> mark_of(const Event& event) {
-  if (!event.text.starts_with(kMarkPrefix)) return std::nullopt;
-  const std::string name = present_name(event.text.substr(kMarkPrefix.size()));
+std::optional<estimation::TouchEvent> touch_event_of(const Event& event) {
+  if (!event.text.starts_with(kEventPrefix)) return std::nullopt;
+  const std::string name = present_name(event.text.substr(kEventPrefix.size()));
   const auto found =
       std::find(estimation::kTouchEventNames.begin(), estimation::kTouchEventNames.end(), name);
   if (found == estimation::kTouchEventNames.end()) {
-    throw BadInput(fmt::format("the recording has a mark {:?} at {} s, which means nothing here",
+    throw BadInput(fmt::format("the recording has an event {:?} at {} s, which means nothing here",
                                name, event.time));
   }
   return static_cast<estimation::TouchEvent>(found - estimation::kTouchEventNames.begin());
@@ -45,12 +45,12 @@ estimation::EventLog event_log(const Recording& recording) {
   estimation::EventLog log;
   for (const auto& frame : recording.frames) log.readings.push_back(frame.reading);
   for (const auto& event : recording.events) {
-    const auto mark = mark_of(event);
+    const auto touch = touch_event_of(event);
     const auto reading =
         std::find_if(log.readings.begin(), log.readings.end(),
                      [&](const auto& candidate) { return candidate.time >= event.time; });
-    if (!mark || reading == log.readings.end()) continue;
-    log.moments.push_back({*mark, static_cast<std::size_t>(reading - log.readings.begin())});
+    if (!touch || reading == log.readings.end()) continue;
+    log.moments.push_back({*touch, static_cast<std::size_t>(reading - log.readings.begin())});
   }
   return log;
 }

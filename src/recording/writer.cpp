@@ -30,7 +30,7 @@ void append_text(hid_t file, const char* name, const std::string& text) {
 }
 
 /// @throws BadInput if what will be in the file could not be read back
-void check_readable(const Header& header) {
+void check_readable(const RecordingHeader& header) {
   try {
     header_from_json(to_json(header));
   } catch (const nlohmann::json::exception& error) {
@@ -88,7 +88,7 @@ void create_datasets(hid_t file, const hand::Description& hand, bool sensor_repo
 }
 
 /// The file with everything that does not grow, closed again.
-void create_file(const std::filesystem::path& path, const Header& header) {
+void create_file(const std::filesystem::path& path, const RecordingHeader& header) {
   H5::FileCreatPropList properties;
   properties.setUserblock(kSealSize);
   H5Pset_obj_track_times(properties.getId(), false);  // of the root group
@@ -226,7 +226,7 @@ struct Writer::Impl {
   }
 };
 
-Writer::Writer(std::filesystem::path path, const Header& header) : impl_(new Impl) {
+Writer::Writer(std::filesystem::path path, const RecordingHeader& header) : impl_(new Impl) {
   impl_->sensor_reported_errors = header.sensor_reported_errors;
   impl_->hand = header.hand;
   impl_->fingers = header.hand.fingers.size();

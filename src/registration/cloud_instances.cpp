@@ -42,12 +42,12 @@ std::size_t count_within(const PointCloud& cloud, const PointCloud& of, double r
 }
 
 /// The source's cell, as its copies fill a part of the target only; coarser where the target would
-/// keep more points than `most_points` for each of five copies.
+/// keep more points than `max_points` for each of five copies.
 double voxel_of_instances(const geometry::PointView& source, const geometry::PointView& target,
                           const CloudOptions& options) {
   constexpr int kMostCopies = 5;
   const PointCloud from = thinned(source), to = thinned(target);
-  const int points = options.features.most_points,
+  const int points = options.features.max_points,
             copies = std::min(kMostCopies, options.registration.instances);
   return std::max(suggested_voxel(from, from, points, options.threads),
                   suggested_voxel(to, to, copies * points, options.threads));

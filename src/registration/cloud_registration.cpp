@@ -168,9 +168,9 @@ CloudRegistration register_prepared(const PreparedCloud& from, const PreparedClo
 
 }  // namespace
 
-double suggested_voxel(const PointCloud& source, const PointCloud& target, int most_points,
+double suggested_voxel(const PointCloud& source, const PointCloud& target, int max_points,
                        int threads) {
-  const auto most = static_cast<std::size_t>(std::max(1, most_points));
+  const auto most = static_cast<std::size_t>(std::max(1, max_points));
   double cells[2];
   parallel_for(2, threads,
                [&](std::size_t k) { cells[k] = voxel_cell_for(k == 0 ? source : target, most); });
@@ -228,7 +228,7 @@ CloudRegistration register_once(const PointView& source, const PointView& target
   const bool initial = options.registration.initial.has_value();  // needs no features
   const double voxel =
       given ? options.features.voxel
-            : suggested_voxel(dense[0], dense[1], options.features.most_points, options.threads);
+            : suggested_voxel(dense[0], dense[1], options.features.max_points, options.threads);
   if (!(voxel > 0)) {
     CloudRegistration none;
     none.result.status = RegistrationStatus::kDegenerate;

@@ -20,7 +20,7 @@ namespace {
 
 using geometry::PointCloud;
 
-/// Cells of the source's grid and of the target's, in units of those that leave most_points.
+/// Cells of the source's grid and of the target's, in units of those that leave max_points.
 struct Grids {
   double source, target;
 };
@@ -64,7 +64,7 @@ Proposal propose_scale(const PointCloud& source, const PointCloud& target,
                        const CloudOptions& options) {
   constexpr double kClearFalseAlarms = 1e-12;
   const auto cell_of = [&](const PointCloud& cloud) {
-    return suggested_voxel(cloud, cloud, options.features.most_points, options.threads);
+    return suggested_voxel(cloud, cloud, options.features.max_points, options.threads);
   };
   const double source_cell = cell_of(source);
   const double target_cell = options.features.voxel > 0 ? options.features.voxel : cell_of(target);

@@ -10,6 +10,7 @@
 #include "palpate/core/plausible.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/ros2/cdr.hpp"
+#include "palpate/tactile/contacts/contact_window.hpp"
 #include "palpate/tactile/sensors/intrinsic_contact.hpp"
 
 namespace palpate::ros2 {
@@ -43,10 +44,6 @@ std::vector<double> values_of(std::string_view type, std::string_view cdr) {
   if (type == Float64MultiArray::kType) return deserialize<Float64MultiArray>(cdr).data;
   const auto narrow = deserialize<Float32MultiArray>(cdr).data;
   return {narrow.begin(), narrow.end()};
-}
-
-hand::TipContact tip_contact(const tactile::Contact& contact) {
-  return {contact.p, contact.n, contact.f, contact.point_sigma, contact.normal_sigma};
 }
 
 Eigen::Vector3d vector_in(const Vector3& v) { return {v.x, v.y, v.z}; }
@@ -217,7 +214,7 @@ void ReadingStream::take_fingertip_wrench(std::size_t finger, const WrenchStampe
   const hand::TipCapsule& tip = hand_.fingers[finger].tip;
   const auto contact = tactile::contact_of_wrench({force, moment}, {tip.a, tip.b, tip.radius},
                                                   Eigen::Isometry3d::Identity());
-  if (contact) sensed.contacts.push_back(tip_contact(*contact));
+  if (contact) sensed.contacts.push_back(tactile::tip_contact(*contact));
 }
 
 /// An array has no stamp and is of the latest joint state, so that clocks need not agree.
@@ -230,7 +227,7 @@ void ReadingStream::take_taxels(std::size_t finger, std::span<const double> valu
   ++counts_.contacts;
   sensed.time.set(joints_at_ != 0 ? joints_at_ : received);
   sensed.contacts.clear();
-  for (const auto& contact : contacts) sensed.contacts.push_back(tip_contact(contact));
+  for (const auto& contact : contacts) sensed.contacts.push_back(tactile::tip_contact(contact));
 }
 
 void ReadingStream::take_wrench(const WrenchStamped& wrench, std::uint64_t received) {

@@ -13,10 +13,6 @@ namespace {
 
 constexpr double kRounding = 1e-9;  // relative, of speeds that are differences of positions
 
-int whole_ticks(double seconds) {
-  return std::max(1, static_cast<int>(std::lround(seconds / hand::kTick)));
-}
-
 int ticks_at_least(double seconds) {
   return static_cast<int>(std::ceil(seconds / hand::kTick - kRounding));
 }
@@ -52,7 +48,7 @@ void require_size(const hand::ActuatorVector& positions, std::size_t actuators) 
 
 }  // namespace
 
-SpeedProfile::SpeedProfile(double seconds) : steady_(whole_ticks(seconds)) {}
+SpeedProfile::SpeedProfile(double seconds) : steady_(hand::whole_ticks(seconds)) {}
 
 void SpeedProfile::limit(double way, double max_speed, double max_acceleration) {
   steady_ = std::max({steady_, ticks_at_least(way / max_speed),

@@ -30,14 +30,6 @@ constexpr double kSteadyLoad = 0.15;                      // N between two windo
 constexpr int kCheckedSteps = 100;                        // of a way that is asked about
 constexpr int kEasingTicks = 30;                          // in which a stopped hand gives way
 
-int ticks(double seconds) {
-  return std::max(1, static_cast<int>(std::lround(seconds / hand::kTick)));
-}
-
-hand::BasePosition between(const hand::BasePosition& a, const hand::BasePosition& b, double share) {
-  return {a.xyz + share * (b.xyz - a.xyz), a.ypr + share * (b.ypr - a.ypr)};
-}
-
 /// s that the way takes at a speed (m/s).
 double seconds_of(const hand::BasePosition& from, const hand::BasePosition& target, double speed) {
   const double turn = kLeverArm * (target.ypr - from.ypr).cwiseAbs().maxCoeff();
@@ -139,9 +131,9 @@ hand::HandReading Executor::step() {
   return reading;
 }
 
-void Executor::mark(estimation::TouchEvent mark) {
-  log_.moments.push_back({mark, log_.readings.size() - 1});
-  if (observer_.on_event) observer_.on_event(mark);
+void Executor::mark(estimation::TouchEvent event) {
+  log_.moments.push_back({event, log_.readings.size() - 1});
+  if (observer_.on_event) observer_.on_event(event);
 }
 
 void Executor::show(const localization::Posterior& posterior) const {
@@ -253,7 +245,7 @@ MotionEnd Executor::tick_until(const StopCondition& stop) {
 }
 
 MotionEnd Executor::wait(double seconds, const StopCondition& stop) {
-  for (int i = ticks(seconds); i > 0; --i) {
+  for (int i = hand::whole_ticks(seconds); i > 0; --i) {
     if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
   }
   return MotionEnd::reached;

@@ -34,9 +34,9 @@ constexpr int kDoubts = 1;               // attempts that are given up because n
 constexpr double kHanging = 0.9;         // of the load that the mount may bear, while it moves
 constexpr double kNextSide = 2 * std::numbers::pi / 3;  // rad between attempts
 
-bool has(const estimation::EventLog& log, estimation::TouchEvent mark) {
+bool has(const estimation::EventLog& log, estimation::TouchEvent event) {
   return std::any_of(log.moments.begin(), log.moments.end(),
-                     [mark](const auto& moment) { return moment.mark == mark; });
+                     [event](const auto& moment) { return moment.event == event; });
 }
 
 /// Where that grasp does not hold, the phase chooses.

@@ -102,8 +102,8 @@ TEST_F(HandPeer, PositionsAreSentAgainUntilAnAnswerIsWhole) {
   std::jthread robot([this](const std::stop_token& stop) {
     RawReader commands(there_, CommandTopics{}.positions, ros2::Float64MultiArray::kType, {});
     const ros2::RobotInterface interface;
-    Writer<ros2::JointState> joints(there_, interface.joint_states, sensor_qos());
-    Writer<ros2::TFMessage> tf(there_, interface.tf, sensor_qos());
+    TopicWriter<ros2::JointState> joints(there_, interface.joint_states, sensor_qos());
+    TopicWriter<ros2::TFMessage> tf(there_, interface.tf, sensor_qos());
     auto reading = hand::resting_reading(hand_);
     int heard = 0;
     while (!stop.stop_requested()) {

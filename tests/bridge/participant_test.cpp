@@ -32,7 +32,7 @@ void wait_for_reader(const RawWriter& writer) {
 
 TEST_F(ParticipantTest, MessagesOfAllSizesArriveInOrder) {
   Participant one(domain_), other(domain_);
-  Writer<String> writer(one, "/text");
+  TopicWriter<String> writer(one, "/text");
   RawReader reader(other, "/text", String::kType, {});
   wait_for_reader(writer);
   const std::vector<std::string> sent = {"a",
@@ -51,7 +51,7 @@ TEST_F(ParticipantTest, MessagesOfAllSizesArriveInOrder) {
 TEST_F(ParticipantTest, WhatIsLatchedReachesWhoComesLater) {
   Participant one(domain_), other(domain_);
   const Qos latched{.reliable = true, .latched = true, .depth = 1};
-  Writer<String> writer(one, "/latched", latched);
+  TopicWriter<String> writer(one, "/latched", latched);
   writer.write(String{"first"});
   writer.write(String{"last"});
   RawReader reader(other, "/latched", String::kType, latched);
@@ -60,10 +60,10 @@ TEST_F(ParticipantTest, WhatIsLatchedReachesWhoComesLater) {
 
 TEST_F(ParticipantTest, AnotherTypeIsNotHeard) {
   Participant one(domain_), other(domain_);
-  Writer<String> writer(one, "/mixed");
+  TopicWriter<String> writer(one, "/mixed");
   RawReader wrong(other, "/mixed", "std_msgs/msg/Header", {});
   RawReader right(other, "/other", String::kType, {});
-  Writer<String> later(one, "/other");
+  TopicWriter<String> later(one, "/other");
   wait_for_reader(later);
   EXPECT_EQ(writer.readers(), 0);
 }

@@ -260,13 +260,63 @@ TEST(Options, AnEarlierNameIsAnErrorThatSaysTheNewOne) {
             "run.toml:2: option locate.window is now estimation.window");
 }
 
+/// Options whose names began with most_ and least_.
+struct Limits {
+  double max_points = 1, min_log_std = 1, max_force = 1, min_gap = 1;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("max_points", max_points, 0.0, 10.0, "points");
+    v("min_log_std", min_log_std, 0.0, 10.0, "log");
+    v("max_force", max_force, 0.0, 10.0, "N");
+    v("min_gap", min_gap, 0.0, 10.0, "m");
+  }
+};
+
+TEST(Options, LimitsThatWereMostOrLeastAreNamed) {
+  for (const auto& [former, present] :
+       {std::pair{"most_points", "max_points"}, std::pair{"least_log_std", "min_log_std"},
+        std::pair{"most_force", "max_force"}, std::pair{"least_gap", "min_gap"}}) {
+    Limits options;
+    EXPECT_EQ(error_message([&] { apply_setting(std::string(former) + "=2", options); }),
+              std::string("option ") + former + " is now " + present);
+  }
+}
+
 TEST(Options, AnEarlierNameIsReadWhereItIsAccepted) {
   Renewed options;
   parse_toml("[locate]\nwindow = 1\n[explore]\nmost_touches = 3", "old.h5", options,
-             Renamed::accepted);
+             Earlier::accepted);
   EXPECT_EQ(options.estimation.window, 1);
   EXPECT_EQ(options.explore.max_touches, 3);
-  EXPECT_THROW(parse_toml("[locate]\nwidow = 1", "old.h5", options, Renamed::accepted), BadInput);
+  EXPECT_THROW(parse_toml("[locate]\nwidow = 1", "old.h5", options, Earlier::accepted), BadInput);
+}
+
+TEST(Options, OneThatIsGoneIsAnErrorThatSaysWhy) {
+  const std::string postures = " is gone: the postures are those of the hand's description";
+  EXPECT_EQ(
+      setting_error("palpation.rolls=2"),
+      "option palpation.rolls is gone: a held object is no longer rolled between the fingers");
+  EXPECT_EQ(setting_error("grasp.top.pitch=2"), "option grasp.top.pitch" + postures);
+  EXPECT_EQ(setting_error("expert.grasp.side.contact_torque.thumb=1"),
+            "option expert.grasp.side.contact_torque.thumb" + postures);
+  EXPECT_EQ(toml_error("table = true\n[expert.forward_model.noise]\npoint = 0.001"),
+            "run.toml:3: option expert.forward_model.noise.point is gone: the forward model has "
+            "neither noise nor errors");
+  EXPECT_EQ(setting_error("place.fingers.reorient.world.hand=shadow"),
+            "option place.fingers.reorient.world.hand is gone: the forward model is of the hand "
+            "that the robot has");
+  EXPECT_EQ(
+      setting_error("locate.errors.link=0.1"),
+      "option locate.errors.link is gone: the hand's description has the errors of its links");
+}
+
+TEST(Options, OneThatIsGoneIsPassedOverWhereItIsAccepted) {
+  Pick options;
+  parse_toml("attempts = 4\n[palpation]\nrolls = 2\n[expert.forward_model.error]\nmass = 0",
+             "old.h5", options, Earlier::accepted);
+  EXPECT_EQ(options.attempts, 4);
+  EXPECT_THROW(parse_toml("[palpation]\nrols = 2", "old.h5", options, Earlier::accepted), BadInput);
 }
 
 TEST(Options, ExpertsHaveASectionOfTheirOwnBehindTheOthers) {
@@ -294,7 +344,7 @@ TEST(Options, AnExpertsEarlierNameIsAnErrorThatSaysTheNewOne) {
             "option settle is now expert.settle");
   EXPECT_EQ(error_message([&] { parse_toml("[inner]\nway = 0.2", "run.toml", options); }),
             "run.toml:2: option inner.way is now expert.inner.way");
-  parse_toml("[inner]\nway = 0.2", "old.h5", options, Renamed::accepted);
+  parse_toml("[inner]\nway = 0.2", "old.h5", options, Earlier::accepted);
   EXPECT_EQ(options.inner.way, 0.2);
 }
 

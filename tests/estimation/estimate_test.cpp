@@ -108,7 +108,7 @@ TEST(EstimateHeldPose, WhatMayHaveFallenRestsAsTheLogTells) {
   ASSERT_TRUE(s.picked.held);
   EventLog log = s.log;
   const auto felt = std::find_if(log.moments.begin(), log.moments.end(), [](const auto& moment) {
-    return moment.mark == TouchEvent::height_probed;
+    return moment.event == TouchEvent::height_probed;
   });
   ASSERT_NE(felt, log.moments.end());
   const Eigen::Vector2d place = estimation::place_under_hand(s.model, log.readings[felt->reading]);
@@ -126,9 +126,9 @@ TEST(EstimateHeldPose, WhatMayHaveFallenRestsAsTheLogTells) {
 }
 
 /// The log of the box, with moments added at its last reading.
-EventLog with_moments(std::initializer_list<TouchEvent> marks) {
+EventLog with_moments(std::initializer_list<TouchEvent> events) {
   EventLog log = scene().log;
-  for (const TouchEvent mark : marks) log.moments.push_back({mark, log.readings.size() - 1});
+  for (const TouchEvent event : events) log.moments.push_back({event, log.readings.size() - 1});
   return log;
 }
 
@@ -178,9 +178,9 @@ TEST(PoseEstimator, SearchesForTheRestingPoseAgainOnlyWhereTheLogTellsMoreOfIt) 
   const auto same = estimator.resting(s.model, with_moments({TouchEvent::probed}));
   EXPECT_EQ(same.seconds, first.seconds);  // to the last bit: of one and the same search
   EventLog fewer = s.log;
-  std::erase_if(fewer.moments, [](const auto& m) { return m.mark == TouchEvent::missed; });
+  std::erase_if(fewer.moments, [](const auto& m) { return m.event == TouchEvent::missed; });
   const auto last = std::find_if(fewer.moments.rbegin(), fewer.moments.rend(),
-                                 [](const auto& m) { return m.mark == TouchEvent::touched; });
+                                 [](const auto& m) { return m.event == TouchEvent::touched; });
   ASSERT_NE(last, fewer.moments.rend());
   fewer.moments.erase(std::next(last).base());
   const auto without = estimator.resting(s.model, fewer);

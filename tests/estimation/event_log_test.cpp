@@ -20,6 +20,15 @@ TEST(EventLog, AnObjectHangsFromTheLiftUntilItIsPutDown) {
   for (const std::size_t at : {6, 7, 8}) EXPECT_TRUE(log.hangs_at(at)) << at;
 }
 
+TEST(TouchEvent, SomeEndAGuardedMoveAndSomeAreGrasps) {
+  EXPECT_TRUE(ends_guarded_move(TouchEvent::touched));
+  EXPECT_TRUE(ends_guarded_move(TouchEvent::missed));
+  EXPECT_FALSE(ends_guarded_move(TouchEvent::guarded_move));
+  EXPECT_TRUE(is_grasp(TouchEvent::closed));
+  EXPECT_TRUE(is_grasp(TouchEvent::held));
+  EXPECT_FALSE(is_grasp(TouchEvent::released));
+}
+
 TEST(EventLog, WhatHungBeforeTheHandLetGoHangsNoMore) {
   EXPECT_FALSE(log_of({{TouchEvent::held, 2}, {TouchEvent::released, 4}}).hangs_at(6));
   EXPECT_FALSE(log_of({{TouchEvent::held, 2}, {TouchEvent::opened, 4}}).hangs_at(6));

@@ -16,8 +16,8 @@ TEST(EventWindow, EndsAtTheEventAndIsAsLongAsTheHandStoodStill) {
   const EventLog log = log_of(200);
   EstimationOptions options;
   options.window = 0.4;
-  const auto length = [&](TouchEvent mark) {
-    const auto window = event_window(log, mark, 150, options);
+  const auto length = [&](TouchEvent event) {
+    const auto window = event_window(log, event, 150, options);
     EXPECT_EQ(&window.back(), &log.readings[150]);
     return window.size();
   };

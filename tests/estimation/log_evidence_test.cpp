@@ -99,7 +99,7 @@ TEST(EvidenceInHand, CountsWhatAProbeTouchedUntilTheHandOpens) {
   EventLog log = one_probe(hand);
   EventLog without = log;
   std::erase_if(without.moments,
-                [](const auto& moment) { return moment.mark == TouchEvent::probed; });
+                [](const auto& moment) { return moment.event == TouchEvent::probed; });
   const auto count = [&](const EventLog& one) {
     return evidence_in_hand(hand, one, {29, false}, 0.2, {}).contacts.size();
   };

@@ -69,8 +69,8 @@ TEST_F(OnlineTrackerTest, AnEstimateIsThereOnePeriodLater) {
   options.fingers = 1;
   options.period = 0.05;
   options.estimation.free_space = false;
-  options.turn_sigma = 0.02;
-  options.way_sigma = 0.004;
+  options.rotation_sigma = 0.02;
+  options.translation_sigma = 0.004;
   OnlineTracker felt(object, hand, at({0, 0, 0.05}), options, 1);
   // The fingertip touches 4 mm beside where the box is believed to be: it must have been moved.
   hand::HandReading beside = reading({0, 0, 0}, true);

@@ -82,12 +82,12 @@ TEST(PriorAfterGrasp, WhatRocksMayHaveRockedSeveralTimesAsFar) {
 
 /// Variance of the turn about x in the narrowest component, at reading 19 of a hand that closed at
 /// reading 5, with another moment.
-double turn_after(TouchEvent mark, std::size_t reading) {
+double turn_after(TouchEvent event, std::size_t reading) {
   const geometry::ObjectModel model(geometry::load_known_object("box"));
   static const auto hand = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   EventLog log;
   log.readings.assign(20, hand::resting_reading(hand));
-  log.moments = {{TouchEvent::closed, 5}, {mark, reading}};
+  log.moments = {{TouchEvent::closed, 5}, {event, reading}};
   localization::Posterior before;
   before.modes.push_back({Eigen::Isometry3d::Identity(), 1, Matrix6d::Zero(), {}});
   const EstimationOptions options;

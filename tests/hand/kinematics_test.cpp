@@ -10,6 +10,7 @@
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/nearest_base.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/hand/tip_forces.hpp"
 
 namespace palpate::hand {
 namespace {
@@ -96,6 +97,27 @@ TEST(BasePosition, PoseTurnsByYawThenPitchThenRoll) {
   base.ypr = {M_PI / 2, 0, M_PI / 2};
   const Eigen::Vector3d p = base.pose() * Eigen::Vector3d(0, 1, 0);
   EXPECT_TRUE(p.isApprox(Eigen::Vector3d(1, 2, 4), 1e-12));
+}
+
+TEST(BasePosition, BetweenTwoGoesFromOneToTheOther) {
+  const BasePosition a{{1, 2, 3}, {0, 0.5, 0}}, b{{2, 2, 1}, {1, 0.5, -2}};
+  const BasePosition quarter = between(a, b, 0.25);
+  EXPECT_TRUE(quarter.xyz.isApprox(Eigen::Vector3d(1.25, 2, 2.5), 1e-12));
+  EXPECT_TRUE(quarter.ypr.isApprox(Eigen::Vector3d(0.25, 0.5, -0.5), 1e-12));
+}
+
+TEST(WholeTicks, AreTheNearestAndAtLeastOne) {
+  EXPECT_EQ(whole_ticks(0.354), 35);
+  EXPECT_EQ(whole_ticks(0.356), 36);
+  EXPECT_EQ(whole_ticks(0), 1);
+}
+
+TEST(TouchingFingers, AreThoseWithAnyContact) {
+  HandReading reading;
+  const TipContact light{{0, 0, 0}, {0, 0, 1}, {0, 0, 0}};
+  reading.contacts = {{light, light}, {}, {light}};
+  EXPECT_EQ(touching_fingers(reading), 2);
+  EXPECT_EQ(touching_fingers(HandReading()), 0);
 }
 
 TEST(BasePosition, IsFoundAgainFromItsPoseAndOneNearIt) {

@@ -22,7 +22,7 @@ ForceBalance pinched_at(const Eigen::Vector3d& p) {
     balance.pushes.push_back({p + 0.02 * n, n, -3 * n + Eigen::Vector3d(0, 0, 0.5 * kWeight)});
   }
   balance.weight = {0, 0, -kWeight};
-  balance.twist = 0;
+  balance.torsional_friction_radius = 0;
   return balance;
 }
 
@@ -57,7 +57,7 @@ TEST(BalanceTerm, TwistsOfSoftFingertipsHideTheMomentAboutTheirNormals) {
            energy(balance, with_center_at({0, 0, 0}));
   };
   const double hard = aside();
-  balance.twist = 0.01;
+  balance.torsional_friction_radius = 0.01;
   EXPECT_LT(aside(), 0.1 * hard);
 }
 
@@ -84,7 +84,7 @@ TEST(BalanceTerm, IsFiniteHoweverFarTheObject) {
 TEST(BalanceTerm, LinearizesItself) {
   RandomStream random(1, "poses");
   ForceBalance balance = pinched_at({0.01, 0.02, 0.03});
-  balance.twist = 0.002;
+  balance.torsional_friction_radius = 0.002;
   balance.other_support_prior = 1e-6;
   const BalanceTerm term(model_of("bracket"), balance, 3.0);
   for (int i = 0; i < 20; ++i) {
@@ -121,7 +121,7 @@ TEST(Localize, RefusesABalanceThatCannotBe) {
   refuses([&](ForceBalance& balance) { balance.pushes[1].p.x() = nan; });
   refuses([](ForceBalance& balance) { balance.other_support_prior = 1; });
   refuses([](ForceBalance& balance) { balance.point_sigma = 0; });
-  refuses([](ForceBalance& balance) { balance.twist = -1; });
+  refuses([](ForceBalance& balance) { balance.torsional_friction_radius = -1; });
   refuses([](ForceBalance& balance) { balance.pushes.clear(); });
   refuses([](ForceBalance& balance) { balance.pushes[0].n *= 2; });
 }

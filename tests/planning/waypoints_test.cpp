@@ -85,12 +85,12 @@ TEST(Waypoints, BadFilesAreNamed) {
 TEST(Faults, NameTheWaypointTheJointAndTheValue) {
   simulation::CollisionScene scene(drawn_hand());
   std::vector<Waypoint> waypoints(5, open_hand(0, 0, 0.3));
-  EXPECT_TRUE(find_faults(waypoints, scene).empty());
+  EXPECT_TRUE(find_invalid_waypoints(waypoints, scene).empty());
   joint(waypoints[1], "FFJ3") = 2.5;
   joint(waypoints[2], "THJ4") = std::numeric_limits<double>::quiet_NaN();
   joint(waypoints[3], "MFJ1") = 0.5, joint(waypoints[3], "MFJ2") = 0.2;
   waypoints[4].base.xyz.x() = 3;
-  const auto faults = find_faults(waypoints, scene);
+  const auto faults = find_invalid_waypoints(waypoints, scene);
   ASSERT_EQ(faults.size(), 4U);
   const std::vector<std::pair<std::string, std::string>> words = {{"FFJ3 = 2.5 rad", "1.571"},
                                                                   {"THJ4", "nan"},
@@ -109,7 +109,7 @@ TEST(Faults, NameThePairOfBodies) {
   std::vector<Waypoint> waypoints = {open_hand(0, 0, 0.3), open_hand(0, 0, 0.1),
                                      open_hand(0, 0.5, 0.0), open_hand(0, 0, 0.4)};
   joint(waypoints[3], "FFJ4") = 0.349;  // towards the middle finger
-  const auto faults = find_faults(waypoints, scene);
+  const auto faults = find_invalid_waypoints(waypoints, scene);
   ASSERT_EQ(faults.size(), 3U);
   EXPECT_EQ(faults[0].waypoint, 1U);
   EXPECT_NE(faults[0].reason.find("object"), std::string::npos) << faults[0].reason;

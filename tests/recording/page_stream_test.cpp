@@ -15,11 +15,11 @@ namespace {
 
 using nlohmann::json;
 
-Header header() {
+RecordingHeader header() {
   return {"1.2.3", 7, geometry::load_known_object("box"), hand::shadow_hand(), "", false};
 }
 
-Frame frame_at(const Header& header, double time) {
+Frame frame_at(const RecordingHeader& header, double time) {
   Frame frame;
   frame.reading.time = time;
   frame.reading.joints.setZero(header.hand.joint_count());

@@ -10,23 +10,25 @@ namespace {
 
 using estimation::TouchEvent;
 
-std::optional<TouchEvent> mark_called(const char* text) {
+std::optional<TouchEvent> event_called(const char* text) {
   Event event;
   event.time = 1;
   event.text = text;
-  return mark_of(event);
+  return touch_event_of(event);
 }
 
-TEST(MarkOf, KnowsPresentAndFormerNames) {
-  EXPECT_EQ(mark_called("mark probed"), TouchEvent::probed);
-  EXPECT_EQ(mark_called("mark table_touched"), TouchEvent::table_touched);
-  EXPECT_EQ(mark_called("mark felt"), TouchEvent::height_probed);
-  EXPECT_EQ(mark_called("mark sweep"), TouchEvent::guarded_move);
-  EXPECT_EQ(mark_called("mark rolled"), TouchEvent::probed);
-  EXPECT_EQ(mark_called("fixture 1 2"), std::nullopt);
+TEST(TouchEventOf, KnowsPresentAndFormerNames) {
+  EXPECT_EQ(event_called("mark probed"), TouchEvent::probed);
+  EXPECT_EQ(event_called("mark table_touched"), TouchEvent::table_touched);
+  EXPECT_EQ(event_called("mark felt"), TouchEvent::height_probed);
+  EXPECT_EQ(event_called("mark sweep"), TouchEvent::guarded_move);
+  EXPECT_EQ(event_called("mark rolled"), TouchEvent::probed);
+  EXPECT_EQ(event_called("fixture 1 2"), std::nullopt);
 }
 
-TEST(MarkOf, RefusesAMarkThatMeansNothing) { EXPECT_THROW(mark_called("mark juggled"), BadInput); }
+TEST(TouchEventOf, RefusesAnEventThatMeansNothing) {
+  EXPECT_THROW(event_called("mark juggled"), BadInput);
+}
 
 }  // namespace
 }  // namespace palpate::recording

@@ -55,8 +55,8 @@ inline hand::Description toy_hand() {
   return hand;
 }
 
-inline Header toy_header(RandomStream& random) {
-  Header header;
+inline RecordingHeader toy_header(RandomStream& random) {
+  RecordingHeader header;
   header.program_version = "1.2.3";
   header.seed = 0xfedcba9876543210u;
   header.config_toml = "seed = 7\nname = \"box\"\n";

@@ -31,7 +31,7 @@ Eigen::Isometry3d pose_of(std::uint64_t seed) {
   return testing::random_pose(random);
 }
 
-const CloudOptions kCoarse{.features = {.most_points = 1500}};
+const CloudOptions kCoarse{.features = {.max_points = 1500}};
 
 TEST(RegisterClouds, FindsThePoseOfAScan) {
   const PointCloud target = bunny_cloud(8000, 1);

@@ -32,7 +32,7 @@ PointCloud scaled(PointCloud cloud, double scale) {
   return cloud;
 }
 
-CloudOptions coarse() { return {.features = {.most_points = 1500}}; }
+CloudOptions coarse() { return {.features = {.max_points = 1500}}; }
 
 TEST(RegisterClouds, EstimatesTheScaleOfAWholeAndOfAPart) {
   const PointCloud target = bunny_points(6000, 1), whole = bunny_points(6000, 2);

@@ -14,15 +14,15 @@ namespace {
 
 constexpr double kRadius = 0.007, kDepth = 0.0002;  // m
 
-std::vector<TouchAction> probes_on(const geometry::MeshQuery& mesh) {
-  return place_probes(mesh, 60, kRadius, kDepth, RandomStream(1, "probes"));
+std::vector<TestSphere> probes_on(const geometry::MeshQuery& mesh) {
+  return place_test_spheres(mesh, 60, kRadius, kDepth, RandomStream(1, "probes"));
 }
 
 TEST(Representations, ProbesTouchTheTrueSurface) {
   const geometry::MeshQuery mesh(trough().mesh);
   const auto probes = probes_on(mesh);
   ASSERT_EQ(probes.size(), 60u);
-  for (const TouchAction& probe : probes) {
+  for (const TestSphere& probe : probes) {
     EXPECT_NEAR((probe.center - probe.touch.point).norm(), kRadius - kDepth, 2.1e-6);
     EXPECT_FALSE(mesh.inside(probe.center));
   }
@@ -58,8 +58,8 @@ TEST(Representations, AConvexObjectIsWellMetByAll) {
 
 TEST(Representations, RejectsProbesThatCannotBe) {
   const geometry::MeshQuery mesh(trough().mesh);
-  EXPECT_THROW(place_probes(mesh, 0, kRadius, kDepth, RandomStream(1)), BadInput);
-  EXPECT_THROW(place_probes(mesh, 5, kRadius, 0.01, RandomStream(1)), BadInput);
+  EXPECT_THROW(place_test_spheres(mesh, 0, kRadius, kDepth, RandomStream(1)), BadInput);
+  EXPECT_THROW(place_test_spheres(mesh, 5, kRadius, 0.01, RandomStream(1)), BadInput);
   EXPECT_THROW(measure_representation(Representation::hull, mesh, {}, kRadius), BadInput);
 }
 

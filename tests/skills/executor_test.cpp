@@ -126,16 +126,16 @@ TEST(Executor, APostureOfAnotherHandIsAFault) {
 
 TEST(Executor, TellsOfEveryTickAndMark) {
   int ticks = 0;
-  std::vector<estimation::TouchEvent> marks;
+  std::vector<estimation::TouchEvent> events;
   Scene scene({}, {[&](const HandReading&, const hand::HandCommand&) { ++ticks; },
-                   [&](estimation::TouchEvent mark) { marks.push_back(mark); },
+                   [&](estimation::TouchEvent event) { events.push_back(event); },
                    {}});
   scene.robot.mark(estimation::TouchEvent::height_probed);
   scene.robot.wait(0.2);
   scene.robot.mark(estimation::TouchEvent::closed);
   EXPECT_EQ(ticks, 21);
-  EXPECT_EQ(marks, (std::vector<estimation::TouchEvent>{estimation::TouchEvent::height_probed,
-                                                        estimation::TouchEvent::closed}));
+  EXPECT_EQ(events, (std::vector<estimation::TouchEvent>{estimation::TouchEvent::height_probed,
+                                                         estimation::TouchEvent::closed}));
   EXPECT_EQ(scene.robot.log().readings.size(), 21u);
   EXPECT_EQ(scene.robot.log().at(estimation::TouchEvent::height_probed), 0u);
   EXPECT_EQ(scene.robot.log().at(estimation::TouchEvent::closed), 20u);

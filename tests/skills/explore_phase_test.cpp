@@ -26,7 +26,7 @@ struct Exploring {
           if (blocks && blocks(sweeps)) reading.base_force = obstacle * (last - start).normalized();
         }),
         robot(hand, model, hand::resting_command(),
-              {{}, [this](estimation::TouchEvent mark) { count(mark); }, {}}) {
+              {{}, [this](estimation::TouchEvent event) { count(event); }, {}}) {
     locate.search.proposals = 2000;
     locate.search.particles = 100;
     options.refining = 0;
@@ -42,8 +42,8 @@ struct Exploring {
   [[nodiscard]] double way() const { return (last - start).norm(); }
   [[nodiscard]] bool is_level() const { return std::abs(last.z() - start.z()) < 0.1 * way(); }
 
-  void count(estimation::TouchEvent mark) {
-    if (mark == estimation::TouchEvent::guarded_move) {
+  void count(estimation::TouchEvent event) {
+    if (event == estimation::TouchEvent::guarded_move) {
       sweeping = true;
       start = last;
       begun = robot.command().base;
@@ -71,7 +71,7 @@ struct Exploring {
     ExplorePhase phase(estimator, options);
     return run_phase(phase, robot, state);
   }
-  std::size_t marked(estimation::TouchEvent mark) const { return robot.log().all(mark).size(); }
+  std::size_t marked(estimation::TouchEvent event) const { return robot.log().all(event).size(); }
 
   /// Sweeps that set out from the same place with the hand turned alike.
   std::size_t repeated() const {

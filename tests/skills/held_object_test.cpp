@@ -44,7 +44,7 @@ TEST(HeldObject, TiltAndHeightAreTakenFromTheTable) {
   EXPECT_LT(rotation_distance(believed.linear(), standing.linear()), 1e-6);
 }
 
-TEST(HeldObject, WithoutAPoseOrAMarkThereIsNone) {
+TEST(HeldObject, WithoutAPoseOrAnEventThereIsNone) {
   const auto box = geometry::load_known_object("box");
   EXPECT_FALSE(held_object(box, {}, lifted_log({}), kLifted, {}));
   localization::Posterior posterior;

@@ -69,6 +69,27 @@ TEST(SimulatedForwardModel, HoldsWhatTheHandHoldsAndDropsWhatItLetsGo) {
   EXPECT_THROW((void)model.settle(grasp, 0.1), BadInput);
 }
 
+TEST(SimulatedForwardModel, HasTheOptionsThatItIsGiven) {
+  HeldBracket scene;
+  ASSERT_TRUE(scene.picked.held);
+  const BelievedGrasp grasp{scene.robot->command(), scene.robot->reading().joints, scene.truth()};
+  const auto settled = [&](const simulation::ForwardModelOptions& options) {
+    return simulation::SimulatedForwardModel(scene.object.object(), scene.world.hand_model(),
+                                             options)
+        .settle(grasp, 0.3);
+  };
+  const auto usual = settled({});
+  const auto differs = [&](const simulation::ForwardModelOptions& options) {
+    return (settled(options).T_base_object.matrix() - usual.T_base_object.matrix()).norm();
+  };
+  EXPECT_EQ(differs({}), 0);
+  EXPECT_GT(differs({.hand_friction = 0.02}), 0.01);  // it falls
+  EXPECT_GT(differs({.time_step = 0.005}), 0);
+  EXPECT_GT(differs({.exact_tips = false}), 0);
+  EXPECT_LT(settled({.stiffness_scale = 1}).tip_forces[0], 0.9 * usual.tip_forces[0]);
+  EXPECT_THROW((void)settled({.time_step = 0.003}), BadInput);
+}
+
 const Eigen::Vector3d kTurn(0, 0, 0.17);  // rad
 
 /// The estimated pose turned, and the true one.
@@ -143,7 +164,7 @@ TEST(ReorientInHand, EndsWhereItComesNoNearer) {
   ReorientOptions options;
   options.sampling.samples = 0;
   options.speed = 0.001;  // less than can be told
-  options.way_speed = 1e-4;
+  options.linear_speed = 1e-4;
   options.patience = 1;
   const auto result = reorient_in_hand(*scene.robot, scene.object, posterior, goal, options, kSeed);
   EXPECT_EQ(result.end, ReorientEnd::out_of_time);

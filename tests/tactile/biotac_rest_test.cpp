@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "palpate/tactile/biotac/rest_tracker.hpp"
+#include "tactile/biotac/rest_tracker.hpp"
 #include "tactile/biotac_logs.hpp"
 
 namespace palpate::tactile {

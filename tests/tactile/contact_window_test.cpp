@@ -158,6 +158,21 @@ TEST(LastingContacts, ContactsWhoseErrorsCannotBeAreDropped) {
   }
 }
 
+TEST(TipContact, IsTheContactWithItsErrors) {
+  Contact contact;
+  contact.p = {1, 2, 3};
+  contact.n = Eigen::Vector3d::UnitX();
+  contact.f = {-2, 0, 1};
+  contact.point_sigma = 0.002;
+  contact.normal_sigma = 0.3;
+  const hand::TipContact tip = tip_contact(contact);
+  EXPECT_EQ(tip.p, contact.p);
+  EXPECT_EQ(tip.n, contact.n);
+  EXPECT_EQ(tip.f, contact.f);
+  EXPECT_EQ(tip.point_sigma, 0.002);
+  EXPECT_EQ(tip.normal_sigma, 0.3);
+}
+
 TEST(LastingContacts, NoReadingsNoContacts) {
   EXPECT_TRUE(lasting_contacts({}, toy_hand(), {}).empty());
 }

@@ -214,7 +214,7 @@ TEST(CloneBehavior, FitsTheStandardDeviationOfEachAction) {
   CloningOptions options;
   options.epochs = 40;
   options.fit_log_std = true;
-  options.least_log_std = -3;
+  options.min_log_std = -3;
   const auto policy = clone_behavior(demos, options, 1);
   const Eigen::MatrixXd left = demos.actions - policy.mean(demos.observations);
   for (int i = 0; i < kRelocateJoints; ++i) {

@@ -84,9 +84,9 @@ class RawReader {
 };
 
 template <ros2::Message M>
-class Writer : public RawWriter {
+class TopicWriter : public RawWriter {
  public:
-  Writer(Participant& participant, const std::string& topic, const Qos& qos = {})
+  TopicWriter(Participant& participant, const std::string& topic, const Qos& qos = {})
       : RawWriter(participant, topic, M::kType, qos) {}
   bool write(const M& message) { return RawWriter::write(ros2::serialize(message)); }
 };

@@ -92,12 +92,13 @@ std::vector<OptionField> option_fields(Options& options) {
   return collector.take();
 }
 
-/// Whether an option may be given by the name that it had in an earlier version.
-enum class Renamed { refused, accepted };
+/// Whether options of earlier versions may be given: by the names that they had then, and, without
+/// effect, those that are gone.
+enum class Earlier { refused, accepted };
 
 /// Sets the fields that a TOML text names. @param source  named in errors, as in "run.toml:3: ..."
 void assign_toml(std::string_view text, std::string_view source,
-                 const std::vector<OptionField>& fields, Renamed accept = Renamed::refused);
+                 const std::vector<OptionField>& fields, Earlier accept = Earlier::refused);
 /// Sets the one field that "section.key=value" names.
 void assign_setting(std::string_view assignment, const std::vector<OptionField>& fields);
 std::string fields_to_toml(const std::vector<OptionField>& fields);
@@ -106,11 +107,11 @@ std::vector<OptionInfo> describe(const std::vector<OptionField>& fields);
 /// Sets the options that a TOML text names; the others keep their values.
 /// @param source  where the text is from; errors start with "source:line: "
 /// @throws BadInput for a syntax error, an unknown key (naming the nearest), a value of the wrong
-///         type or outside its range, an option that has another name now (naming it) unless that
-///         is accepted; `options` is then unchanged
+///         type or outside its range, an option that has another name now (naming it) or is gone
+///         (saying why) unless that is accepted; `options` is then unchanged
 template <class Options>
 void parse_toml(std::string_view text, std::string_view source, Options& options,
-                Renamed accept = Renamed::refused) {
+                Earlier accept = Earlier::refused) {
   Options copy = options;
   assign_toml(text, source, option_fields(copy), accept);
   options = std::move(copy);

@@ -12,7 +12,7 @@ struct EstimationOptions {
   /// Rough place of the object on the table before it is touched, m. Not an option of the program.
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   tactile::ContactErrorModel errors;
-  double window = 0.5;                  ///< s of readings, before the mark, that are averaged
+  double window = 0.5;                  ///< s of readings, before the event, that are averaged
   double probed_height_sigma = 0.005;   ///< of the measured height, m
   double resting_height_sigma = 0.001;  ///< of the resting object, m
   double resting_tilt_sigma = 0.02;     ///< of the resting object from its stable pose, rad
@@ -29,12 +29,13 @@ struct EstimationOptions {
   double other_stable_pose =
       0.03;                  ///< probability that the grasp put the object into another stable pose
   double tilt_sigma = 0.30;  ///< by which the closing hand tilts the object, rad
-  double height_sigma = 0.015;       ///< by which it raises it, m
-  double half_width = 0.08;          ///< object within +- of its rough place after the grasp, m
-  double surface_sigma = 0.0005;     ///< by which the mesh's surface is off the object's, m
-  double false_contacts = 0.02;      ///< prior share of contacts with something else
-  bool balance = false;              ///< use that pushes and weight balance, once the object hangs
-  double twist = 0.003;              ///< m, unsensed moment about a contact's normal by its force
+  double height_sigma = 0.015;    ///< by which it raises it, m
+  double half_width = 0.08;       ///< object within +- of its rough place after the grasp, m
+  double surface_sigma = 0.0005;  ///< by which the mesh's surface is off the object's, m
+  double false_contacts = 0.02;   ///< prior share of contacts with something else
+  bool balance = false;           ///< use that pushes and weight balance, once the object hangs
+  double torsional_friction_radius =
+      0.003;                         ///< m, unsensed moment about a contact's normal by its force
   bool free_space = true;            ///< use that the hand's links do not penetrate the object
   double penetration_sigma = 0.004;  ///< m
   localization::LocalizerOptions search;
@@ -75,7 +76,7 @@ struct EstimationOptions {
     v("false_contacts", false_contacts, 1e-6, 0.9, "prior probability that a contact is spurious");
     v("balance", balance,
       "use as evidence that the finger forces balance the weight of the held object");
-    v.expert("torsional_friction_radius", twist, 0.0, 0.1,
+    v.expert("torsional_friction_radius", torsional_friction_radius, 0.0, 0.1,
              "m, unsensed moment about a contact's normal, relative to its force");
     v("free_space", free_space,
       "use as evidence that the hand's links do not penetrate the object");

@@ -30,10 +30,20 @@ inline constexpr std::array<std::string_view, 13> kTouchEventNames = {
     "height_probed", "guarded_move", "touched",  "missed", "closed",        "held",  "released",
     "placed",        "probed",       "on_table", "opened", "table_touched", "fallen"};
 
+/// Whether a guarded move has come to its end.
+constexpr bool ends_guarded_move(TouchEvent event) {
+  return event == TouchEvent::touched || event == TouchEvent::missed;
+}
+
+/// Whether the fingers have come to hold the object, on the table or in the air.
+constexpr bool is_grasp(TouchEvent event) {
+  return event == TouchEvent::closed || event == TouchEvent::held;
+}
+
 /// All that was sensed, and when what was reached: everything that the pose estimate depends on.
 struct EventLog {
   struct Moment {
-    TouchEvent mark;
+    TouchEvent event;
     std::size_t reading;  ///< index into readings
     bool operator==(const Moment&) const = default;
   };
@@ -45,7 +55,7 @@ struct EventLog {
   std::vector<Moment> since_release() const;
 
   /// The log up to the latest moment of a kind, with it; all of it where there was none.
-  EventLog until(TouchEvent mark) const;
+  EventLog until(TouchEvent event) const;
 
   /// Whether the hand has opened and stayed at the object since it let go.
   bool has_opened() const { return since_opening().size() < since_release().size(); }
@@ -55,14 +65,14 @@ struct EventLog {
   std::optional<EventLog> before_opening() const;
 
   /// Reading of the latest moment of a kind since the hand last let go or opened.
-  std::optional<std::size_t> at(TouchEvent mark) const;
+  std::optional<std::size_t> at(TouchEvent event) const;
 
   /// Whether the object hangs in the hand at a reading, and does not stand on the table: since then
   /// the hand has lifted it, and not put it down.
   bool hangs_at(std::size_t reading) const;
 
   /// Readings of all moments of a kind since then.
-  std::vector<std::size_t> all(TouchEvent mark) const;
+  std::vector<std::size_t> all(TouchEvent event) const;
 
  private:
   std::vector<Moment> since_opening() const;

@@ -10,14 +10,14 @@
 namespace palpate::estimation {
 
 struct HeldPoseOptions {
-  double period = 0.1;        ///< s from one estimate to the next, at least
-  int fingers = 2;            ///< that must touch for an estimate
-  double lost_after = 0.5;    ///< s with fewer, after which nothing is known any more
-  double turn_sigma = 0.01;   ///< rad, by which a held object turns in a period, per axis
-  double way_sigma = 0.0005;  ///< m, by which it moves so
-  double slip_share = 0.05;   ///< probability that it moves farther in a period
-  double slip_turn = 0.2;     ///< rad, sigma of a turn then, per axis
-  double slip_way = 0.008;    ///< m, of a way
+  double period = 0.1;                ///< s from one estimate to the next, at least
+  int fingers = 2;                    ///< that must touch for an estimate
+  double lost_after = 0.5;            ///< s with fewer, after which nothing is known any more
+  double rotation_sigma = 0.01;       ///< rad, by which a held object turns in a period, per axis
+  double translation_sigma = 0.0005;  ///< m, by which it moves so
+  double slip_share = 0.05;           ///< probability that it moves farther in a period
+  double slip_rotation = 0.2;         ///< rad, sigma of a turn then, per axis
+  double slip_translation = 0.008;    ///< m, of a way
   localization::LocalizerOptions first;                   ///< search where nothing is known
   EstimationOptions estimation = estimation_in_motion();  ///< and afterwards
 
@@ -28,12 +28,13 @@ struct HeldPoseOptions {
       "number of fingers that must touch for an estimate");
     v("lost_after", lost_after, 0.05, 100.0,
       "s with fewer fingers, after which the object counts as lost");
-    v("rotation_sigma", turn_sigma, 1e-4, 3.0, "rad, rotation of a held object per period");
-    v("translation_sigma", way_sigma, 1e-5, 0.2, "m, translation of a held object per period");
+    v("rotation_sigma", rotation_sigma, 1e-4, 3.0, "rad, rotation of a held object per period");
+    v("translation_sigma", translation_sigma, 1e-5, 0.2,
+      "m, translation of a held object per period");
     v("slip_share", slip_share, 0.0, 0.9,
       "probability that a held object moves farther in a period: a slip");
-    v("slip_rotation", slip_turn, 1e-4, 3.0, "rad, rotation in a slip");
-    v("slip_translation", slip_way, 1e-5, 0.2, "m, translation in a slip");
+    v("slip_rotation", slip_rotation, 1e-4, 3.0, "rad, rotation in a slip");
+    v("slip_translation", slip_translation, 1e-5, 0.2, "m, translation in a slip");
     v.section("first", first);
     v.section("estimation", estimation);
   }

@@ -22,12 +22,12 @@ inline EstimationOptions estimation_in_motion() {
 
 /// How an object is followed by touch from the table into a moving grasp.
 struct OnlineTrackerOptions {
-  bool estimate = true;      ///< in the grasp, else the object is taken to go with the palm
-  double period = 0.1;       ///< s from one estimate to the next, and until it is there
-  int fingers = 2;           ///< that must touch for an estimate
-  double lifts = 0.005;      ///< m that the palm has risen: what the hand touches goes along
-  double turn_sigma = 0.2;   ///< rad, by which the object turns unforeseen in a period, per axis
-  double way_sigma = 0.008;  ///< m, by which it moves so
+  bool estimate = true;         ///< in the grasp, else the object is taken to go with the palm
+  double period = 0.1;          ///< s from one estimate to the next, and until it is there
+  int fingers = 2;              ///< that must touch for an estimate
+  double lifts = 0.005;         ///< m that the palm has risen: what the hand touches goes along
+  double rotation_sigma = 0.2;  ///< rad, by which the object turns unforeseen in a period, per axis
+  double translation_sigma = 0.008;  ///< m, by which it moves so
   EstimationOptions estimation = estimation_in_motion();
 
   template <class Visitor>
@@ -38,9 +38,9 @@ struct OnlineTrackerOptions {
     v("fingers", fingers, 1, 5, "number of fingers that must touch for an estimate");
     v("lifts", lifts, 0.0, 0.1,
       "m, rise of the palm after which the touched object is assumed to move with it");
-    v("rotation_sigma", turn_sigma, 1e-4, 3.0,
+    v("rotation_sigma", rotation_sigma, 1e-4, 3.0,
       "rad, unpredicted rotation of the object per period");
-    v("translation_sigma", way_sigma, 1e-5, 0.2,
+    v("translation_sigma", translation_sigma, 1e-5, 0.2,
       "m, unpredicted translation of the object per period");
     v.section("estimation", estimation);
   }

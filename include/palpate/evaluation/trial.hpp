@@ -9,6 +9,7 @@
 #include "palpate/evaluation/start.hpp"
 #include "palpate/hand/faulty_hand.hpp"
 #include "palpate/recording/sink.hpp"
+#include "palpate/simulation/collision/forward_model.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/pick.hpp"
 #include "palpate/skills/place/pick_and_place.hpp"
@@ -77,7 +78,7 @@ struct TrialOptions {
   skills::SafetyOptions safety;
   FaultOptions fault;
   simulation::WorldOptions world = simulation::WorldOptions::realistic();
-  simulation::WorldOptions forward_model;  ///< the world in which motions are rolled out
+  simulation::ForwardModelOptions forward_model;  ///< the world in which motions are rolled out
 
   template <class Visitor>
   void visit(Visitor&& v) {

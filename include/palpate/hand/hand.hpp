@@ -14,6 +14,9 @@ namespace palpate::hand {
 
 inline constexpr double kTick = 0.01;  ///< s between readings
 
+/// Number of ticks that is nearest to a time (s), at least one.
+int whole_ticks(double seconds);
+
 /// One contact that a fingertip feels, in the frame of that finger's distal link.
 struct TipContact {
   Eigen::Vector3d p;  ///< point, m
@@ -35,6 +38,9 @@ struct BasePosition {
   /// The position of a pose, with a pitch of at most a quarter turn.
   static BasePosition at(const Eigen::Isometry3d& T_world_base);
 };
+
+/// Between two positions, in each of the six coordinates. @param share  0: the first, 1: the second
+BasePosition between(const BasePosition& a, const BasePosition& b, double share);
 
 /// What the hand senses in one tick.
 struct HandReading {

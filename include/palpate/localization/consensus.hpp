@@ -26,7 +26,7 @@ struct SamePose {
 };
 
 /// Where most of the weight is: the mean of the poses around the one that has most of it nearby.
-struct Consensus {
+struct PoseConsensus {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   double share = 0;  ///< of the whole weight that lies within SamePose, 0..1
 };
@@ -40,7 +40,7 @@ double entropy(std::vector<WeightedPose> poses, const SamePose& same);
 
 /// @param symmetries  of the object, identity first: poses that differ by one are the same
 /// @return share 0 where there are no poses
-Consensus consensus(const std::vector<WeightedPose>& poses,
-                    const std::vector<Eigen::Matrix3d>& symmetries, const SamePose& same);
+PoseConsensus consensus(const std::vector<WeightedPose>& poses,
+                        const std::vector<Eigen::Matrix3d>& symmetries, const SamePose& same);
 
 }  // namespace palpate::localization

@@ -74,7 +74,8 @@ struct ForceBalance {
   Eigen::Vector3d weight;      ///< of the object, N
   double point_sigma = 0.001;  ///< m, per push and axis
   double force_sigma = 0.02;   ///< N, per push and axis
-  double twist = 0.003;        ///< m: moment about a push's normal that is not sensed, by its force
+  double torsional_friction_radius =
+      0.003;  ///< m: moment about a push's normal that is not sensed, by its force
   double other_support_prior = 0.05;  ///< that something else holds the object, too
 };
 

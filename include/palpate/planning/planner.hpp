@@ -48,7 +48,7 @@ std::string_view to_string(PlanStatus status);
 
 struct Plan {
   PlanStatus status = PlanStatus::ok;
-  std::vector<Fault> invalid;              ///< waypoints that cannot be taken
+  std::vector<InvalidWaypoint> invalid;    ///< waypoints that cannot be taken
   std::size_t unreachable = 0;             ///< waypoint to which no path was found, of no_path
   std::vector<hand::HandCommand> corners;  ///< the path's vertices, all waypoints among them
   std::vector<hand::HandCommand> samples;  ///< one a tick of hand::kTick, from start to end

@@ -41,7 +41,7 @@ WaypointsFile parse_waypoints(std::string_view text, std::string_view source,
                               const hand::BasePosition& base, const hand::Description& hand);
 
 /// A waypoint that the hand cannot take, and why, in one line.
-struct Fault {
+struct InvalidWaypoint {
   std::size_t waypoint = 0;  ///< index
   std::string reason;        ///< the joint and its value, or the pair of bodies and its depth
 };
@@ -65,7 +65,8 @@ struct BaseRange {
 /// Every waypoint with an angle that is not finite, beyond its joint's range, or where a coupled
 /// pair cannot be; with a base out of its range; or, where all that is well, in collision. In
 /// order.
-std::vector<Fault> find_faults(const std::vector<Waypoint>& waypoints, CollisionChecker& scene,
-                               const BaseRange& range = {});
+std::vector<InvalidWaypoint> find_invalid_waypoints(const std::vector<Waypoint>& waypoints,
+                                                    CollisionChecker& scene,
+                                                    const BaseRange& range = {});
 
 }  // namespace palpate::planning

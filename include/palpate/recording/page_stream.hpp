@@ -24,8 +24,8 @@ class PageStream : public Sink {
 
   /// @param header  as of the recording; kept
   /// @param send  gets each message; called by one thread at a time
-  PageStream(Header header, Send send, const Options& options);
-  PageStream(Header header, Send send)
+  PageStream(RecordingHeader header, Send send, const Options& options);
+  PageStream(RecordingHeader header, Send send)
       : PageStream(std::move(header), std::move(send), Options{}) {}
   ~PageStream() override;
   PageStream(const PageStream&) = delete;
@@ -47,7 +47,7 @@ class PageStream : public Sink {
 };
 
 /// The page that shows a stream, as replay_page() makes it of a recording without frames.
-std::string live_page(const Header& header, const hand::HandVisuals& visuals, std::string_view page,
-                      std::string_view script, std::string_view title);
+std::string live_page(const RecordingHeader& header, const hand::HandVisuals& visuals,
+                      std::string_view page, std::string_view script, std::string_view title);
 
 }  // namespace palpate::recording

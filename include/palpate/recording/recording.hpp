@@ -20,7 +20,7 @@ inline constexpr int kFormatVersion = 4;        ///< the newest
 inline constexpr int kOldestFormatVersion = 1;  ///< that is still read
 
 /// What holds for a whole recording: enough to run the estimator from the recording alone.
-struct Header {
+struct RecordingHeader {
   std::string program_version;
   std::uint64_t seed = 0;
   geometry::KnownObject object;
@@ -47,7 +47,7 @@ struct Frame {
 enum class EventKind { begin, note, end };
 std::string_view to_string(EventKind kind);
 
-/// A mark in the course of the work; the text of an `end` is the phase's outcome.
+/// What happens in the course of the work; the text of an `end` is the phase's outcome.
 struct Event {
   double time = 0;  ///< s
   EventKind kind = EventKind::note;
@@ -98,7 +98,7 @@ double entropy(const BeliefRecord& belief);
 
 /// A whole recording in memory. Without the truth it holds no more than a real hand could sense.
 struct Recording {
-  Header header;
+  RecordingHeader header;
   std::vector<Frame> frames;
   std::vector<Event> events;
   std::vector<EstimateRecord> estimates;

@@ -8,9 +8,9 @@
 
 namespace palpate::recording {
 
-/// The moment of a pick that an event marks, if it marks one.
-/// @throws BadInput for a mark of another name
-std::optional<estimation::TouchEvent> mark_of(const Event& event);
+/// The touch event that a note of a recording stands for, if it stands for one.
+/// @throws BadInput for an event of another name
+std::optional<estimation::TouchEvent> touch_event_of(const Event& event);
 
 /// The touch log of a recording: what the estimator needs of it, and nothing of the truth.
 estimation::EventLog event_log(const Recording& recording);

@@ -16,7 +16,7 @@ namespace palpate::recording {
 class Writer : public Sink {
  public:
   /// @throws BadInput if the file cannot be written or the header could not be read back
-  Writer(std::filesystem::path path, const Header& header);
+  Writer(std::filesystem::path path, const RecordingHeader& header);
   ~Writer() override;
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;

@@ -18,26 +18,26 @@ struct FeatureCloud {
 
 struct FeatureOptions {
   double voxel = 0;                    ///< m, side of the grid's cells; 0 as suggested_voxel()
-  int most_points = 3000;              ///< that suggested_voxel() aims at
+  int max_points = 3000;               ///< that suggested_voxel() aims at
   int normal_neighbours = 12;          ///< for normals of clouds without them
   double feature_radius_voxels = 6.0;  ///< of FPFH
   int refinements = 30;                ///< rounds of nearest neighbours after the features; 0: none
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("voxel", voxel, 0.0, 1e9, "grid that clouds are sampled to, m; 0: by most_points");
-    v("most_points", most_points, 10, 50000, "points that the grid leaves of the larger cloud");
+    v("voxel", voxel, 0.0, 1e9, "grid that clouds are sampled to, m; 0: by max_points");
+    v("max_points", max_points, 10, 50000, "points that the grid leaves of the larger cloud");
     v("normal_neighbours", normal_neighbours, 3, 1000, "neighbours that a normal is fitted to");
     v("feature_radius_voxels", feature_radius_voxels, 1.0, 100.0, "radius of FPFH, in cells");
     v("refinements", refinements, 0, 1000, "rounds of nearest neighbours after the features");
   }
 };
 
-/// The cell with which both clouds keep at most `most_points`, at least the mean distance between
+/// The cell with which both clouds keep at most `max_points`, at least the mean distance between
 /// the points that are left; 0 if neither has two different points.
 /// @param threads  the result does not depend on them
 double suggested_voxel(const geometry::PointCloud& source, const geometry::PointCloud& target,
-                       int most_points, int threads = 1);
+                       int max_points, int threads = 1);
 
 /// @param voxel  m, > 0
 /// @param threads  the result does not depend on them

@@ -131,7 +131,7 @@ class Executor {
   void set_deadline(double time) { deadline_ = time; }
 
   /// Remembers the present reading under a name that the estimator looks for.
-  void mark(estimation::TouchEvent mark);
+  void mark(estimation::TouchEvent event);
 
   /// Shows the observer where the resting object may be, by the touches so far; in the world.
   void show(const localization::Posterior& posterior) const;

@@ -144,7 +144,7 @@ PnpResult solve_pnp(const PinholeCamera& camera, const Matrix3Xd& points, const 
   check(points, pixels);
   PnpResult result;
   const int count = static_cast<int>(points.cols());
-  if (count < options.least) {
+  if (count < options.min) {
     result.status = PnpStatus::too_few_matches;
     return result;
   }
@@ -162,7 +162,7 @@ PnpResult solve_pnp(const PinholeCamera& camera, const Matrix3Xd& points, const 
         refine(camera, points, pixels, result.inliers, result.T_camera_object, options.iterations);
     result.inliers = agreeing(camera, points, pixels, result.T_camera_object, options.threshold);
   }
-  if (std::ssize(result.inliers) < options.least) {
+  if (std::ssize(result.inliers) < options.min) {
     result.status = PnpStatus::no_consensus;
     return result;
   }

@@ -12,14 +12,14 @@ namespace palpate::learning {
 struct PnpOptions {
   double threshold = 4;  ///< pixels, of a match that counts
   int draws = 200;       ///< of six matches each
-  int least = 8;         ///< matches that must agree
+  int min = 8;           ///< matches that must agree
   int iterations = 20;   ///< of the refinement
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("threshold", threshold, 0.01, 1000.0, "pixels, of a match that counts");
     v("draws", draws, 1, 1000000, "of six matches each");
-    v("min", least, 6, 1000000, "matches that must agree");
+    v("min", min, 6, 1000000, "matches that must agree");
     v("iterations", iterations, 0, 1000, "of the refinement");
   }
 };

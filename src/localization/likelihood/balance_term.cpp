@@ -28,7 +28,7 @@ Eigen::Matrix3d cross_covariance(const Eigen::Vector3d& a, double sigma) {
 Eigen::Matrix3d moment_covariance(const ForceBalance& balance, const Eigen::Vector3d& middle) {
   Eigen::Matrix3d sum = kMinMoment * kMinMoment * Eigen::Matrix3d::Identity();
   for (const auto& push : balance.pushes) {
-    const double twist = balance.twist * push.f.norm();
+    const double twist = balance.torsional_friction_radius * push.f.norm();
     sum += cross_covariance(push.f, balance.point_sigma) +
            cross_covariance(push.p - middle, balance.force_sigma) +
            twist * twist * push.n * push.n.transpose();

@@ -168,7 +168,7 @@ void check_balance(const ForceBalance& balance) {
   check_positive("balance: the weight", balance.weight.norm());
   check_positive("balance: point_sigma", balance.point_sigma);
   check_positive("balance: force_sigma", balance.force_sigma);
-  check_not_negative("balance: twist", balance.twist);
+  check_not_negative("balance: torsional_friction_radius", balance.torsional_friction_radius);
   if (!(balance.other_support_prior > 0 && balance.other_support_prior < 1)) {
     throw BadInput(fmt::format("balance: other_support_prior is {}, not between 0 and 1",
                                balance.other_support_prior));

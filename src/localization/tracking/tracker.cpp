@@ -201,7 +201,7 @@ void Tracker::watch_for_slip(const Evidence& evidence) {
   before_slip_ = hypotheses_;
   for (Hypothesis& hypothesis : before_slip_) {
     hypothesis.covariance.diagonal().head<3>().array() += std::pow(options_.slip_angle, 2) / 3;
-    hypothesis.covariance.diagonal().tail<3>().array() += std::pow(options_.slip_way, 2) / 3;
+    hypothesis.covariance.diagonal().tail<3>().array() += std::pow(options_.slip_distance, 2) / 3;
   }
 }
 
@@ -243,7 +243,7 @@ void Tracker::search_slip(const Evidence& evidence, double dt) {
   for (int i = 0; i < options_.slip_poses; ++i) {
     Vector6d x;
     x << options_.slip_angle / std::sqrt(3.0) * random_.normal3(),
-        options_.slip_way / std::sqrt(3.0) * random_.normal3();
+        options_.slip_distance / std::sqrt(3.0) * random_.normal3();
     from(likeliest, moved(likeliest.T, x));
   }
   hypotheses_ = std::move(found);

@@ -17,25 +17,31 @@ constexpr int kWholeState = mjSTATE_INTEGRATION;
 
 /// Readings are exact, and the servos' small integral, which is no part of the state that can be
 /// put back, is left out.
-WorldOptions without_noise(WorldOptions options) {
-  options.noise = {0, 0, 0, 0, 0, 0};
-  options.error = {};
-  options.integral.limit = 0;
-  return options;
+WorldOptions exact_world(const ForwardModelOptions& options) {
+  WorldOptions world;
+  world.time_step = options.time_step;
+  world.hand_friction = options.hand_friction;
+  world.table_friction = options.table_friction;
+  world.stiffness_scale = options.stiffness_scale;
+  world.exact_tips = options.exact_tips;
+  world.noise = {0, 0, 0, 0, 0, 0};
+  world.integral.limit = 0;
+  return world;
 }
 
 }  // namespace
 
 struct SimulatedForwardModel::Impl {
   Impl(const geometry::KnownObject& known, const hand::Description& believed,
-       const WorldOptions& given)
-      : options(without_noise(given)),
+       const ForwardModelOptions& given)
+      : options(exact_world(given)),
         drawn(believed),
         mesh(known.mesh),
         surface(mesh),
         scene(compose_scene(drawn, believed_object(known), surface, options)),
         data(make_data(*scene.model)),
-        hand(scene, *data, drawn, options, RandomStream(0, "rehearsal")) {
+        hand(scene, *data, drawn, options,
+             RandomStream(0, "rehearsal")) {  // the text seeds the stream
     place_links(believed, *scene.model);
     mj_setConst(scene.model.get(), data.get());
   }
@@ -66,7 +72,7 @@ struct SimulatedForwardModel::Impl {
 
 SimulatedForwardModel::SimulatedForwardModel(const geometry::KnownObject& object,
                                              const hand::Description& believed,
-                                             const WorldOptions& options)
+                                             const ForwardModelOptions& options)
     : impl_(std::make_unique<Impl>(object, believed, options)) {}
 
 SimulatedForwardModel::~SimulatedForwardModel() = default;

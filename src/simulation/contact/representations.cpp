@@ -128,15 +128,15 @@ std::string_view to_string(Representation representation) {
   return "";
 }
 
-std::vector<TouchAction> place_probes(const geometry::MeshQuery& mesh, int count, double radius,
-                                      double depth, RandomStream random) {
+std::vector<TestSphere> place_test_spheres(const geometry::MeshQuery& mesh, int count,
+                                           double radius, double depth, RandomStream random) {
   if (count < 1 || !(depth > 0 && depth < radius)) {
     throw BadInput(
         fmt::format("probes need a count of 1 or more and 0 < depth < radius, not {}, "
                     "{} m and {} m",
                     count, depth, radius));
   }
-  std::vector<TouchAction> probes;
+  std::vector<TestSphere> probes;
   const auto draws = static_cast<std::size_t>(kDraws * count);
   for (const geometry::SurfaceSample& sample :
        geometry::sample_surface(mesh.mesh(), draws, random)) {
@@ -158,7 +158,7 @@ std::vector<TouchAction> place_probes(const geometry::MeshQuery& mesh, int count
 
 RepresentationResult measure_representation(Representation representation,
                                             const geometry::MeshQuery& mesh,
-                                            const std::vector<TouchAction>& probes, double radius) {
+                                            const std::vector<TestSphere>& probes, double radius) {
   if (probes.empty()) throw BadInput("a representation is measured with one probe or more");
   RepresentationResult result;
   const std::clock_t start = std::clock();
@@ -169,17 +169,17 @@ RepresentationResult measure_representation(Representation representation,
   }
   result.prepare_seconds = cpu_seconds_since(start);
   const DataHandle data(mj_makeData(model.get()));
-  const auto place = [&](const TouchAction& probe) {
+  const auto place = [&](const TestSphere& probe) {
     mjtNum* const position = data->qpos + model->nq - 7;  // of the ball's free joint, the last one
     Eigen::Vector3d::Map(position) = probe.center;
     Eigen::Vector4d::Map(position + 3) << 1, 0, 0, 0;
     mj_fwdPosition(model.get(), data.get());
   };
   const std::clock_t before = std::clock();
-  for (const TouchAction& probe : probes) place(probe);
+  for (const TestSphere& probe : probes) place(probe);
   result.call_seconds = cpu_seconds_since(before) / static_cast<double>(probes.size());
   const int tip = find_id(*model, mjOBJ_GEOM, "tip");
-  for (const TouchAction& probe : probes) {
+  for (const TestSphere& probe : probes) {
     place(probe);
     const auto found = deepest(*data, tip);
     if (!found) {

@@ -12,8 +12,8 @@
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
+#include "skills/explore/calibration_touches.hpp"
 #include "skills/explore/table_press.hpp"
-#include "skills/explore/table_touches.hpp"
 #include "skills/load_calibration.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
@@ -50,7 +50,7 @@ struct TableSearch {
   int next_load = 0;  ///< attitudes till the load is read again
 };
 
-void touch_table(Executor& robot, const TableTouch& touch, const CalibrateOptions& options,
+void touch_table(Executor& robot, const CalibrationTouch& touch, const CalibrateOptions& options,
                  TableSearch& search) {
   take_attitude(robot, touch, options);
   const double reach = search.height ? kSearchReach : kFirstReach;
@@ -135,7 +135,7 @@ std::vector<tactile::TipOnPlane> table_touches(const estimation::EventLog& log,
   const auto readings = static_cast<std::size_t>(std::lround(options.rest / hand::kTick));
   std::vector<tactile::TipOnPlane> touches;
   for (const auto& moment : log.moments) {
-    if (moment.mark != estimation::TouchEvent::on_table) continue;
+    if (moment.event != estimation::TouchEvent::on_table) continue;
     const std::size_t count = std::min(readings, moment.reading + 1);
     add_resting_tips(std::span(log.readings).subspan(moment.reading + 1 - count, count),
                      options.sigma, touches);

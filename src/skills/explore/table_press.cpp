@@ -23,7 +23,7 @@ Executor::StopCondition pressing_down() {
 }
 
 /// Goes to an attitude and a posture at once, above the table.
-void move_above(Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
+void move_above(Executor& robot, const CalibrationTouch& touch, const CalibrateOptions& options) {
   const hand::HandCommand& now = robot.command();
   const double low = lowest_on_way(robot.model(), now.positions, attitude_of(now.base),
                                    touch.posture, touch.attitude);
@@ -41,27 +41,29 @@ void rise(Executor& robot, double way, double speed) {
   robot.move_base(up, speed);
 }
 
-double lowest(const hand::Description& hand, const TableTouch& touch) {
+double lowest(const hand::Description& hand, const CalibrationTouch& touch) {
   return lowest_part(hand, touch.posture, touch.attitude);
 }
 
-void take_attitude(Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
+void take_attitude(Executor& robot, const CalibrationTouch& touch,
+                   const CalibrateOptions& options) {
   if (fingers_meet(robot, touch.posture)) {
-    TableTouch stretched = touch;
+    CalibrationTouch stretched = touch;
     stretched.posture = robot.model().postures.stretched;
     move_above(robot, stretched, options);
   }
   move_above(robot, touch, options);
 }
 
-bool is_reachable(const Executor& robot, const TableTouch& touch, const CalibrateOptions& options) {
+bool is_reachable(const Executor& robot, const CalibrationTouch& touch,
+                  const CalibrateOptions& options) {
   const double seat = -lowest(robot.model(), touch);
   return robot.obstacle(touch.base(options, seat + kTravelHeight)).empty() &&
          robot.obstacle(touch.base(options, seat)).empty();
 }
 
-TablePress press_table(Executor& robot, const TableTouch& touch, const CalibrateOptions& options,
-                       double height) {
+TablePress press_table(Executor& robot, const CalibrationTouch& touch,
+                       const CalibrateOptions& options, double height) {
   bool felt = false;
   const auto loaded = pressing_down();
   const auto stop = [&](const hand::HandReading& reading) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "skills/explore/table_touches.hpp"
+#include "skills/explore/calibration_touches.hpp"
 
 namespace palpate::skills {
 
@@ -11,21 +11,22 @@ inline constexpr double kTravelHeight = 0.02;  ///< m of the hand's lowest part 
 void rise(Executor& robot, double way, double speed);
 
 /// Height of the hand's lowest part over the mount's in the posture of a touch, m.
-double lowest(const hand::Description& hand, const TableTouch& touch);
+double lowest(const hand::Description& hand, const CalibrationTouch& touch);
 
 /// Takes the attitude of a touch well above the table; where fingers would meet one another on the
 /// way, by the stretched hand.
-void take_attitude(Executor& robot, const TableTouch& touch, const CalibrateOptions& options);
+void take_attitude(Executor& robot, const CalibrationTouch& touch, const CalibrateOptions& options);
 
 /// Whether the mount can come to the table in this attitude.
-bool is_reachable(const Executor& robot, const TableTouch& touch, const CalibrateOptions& options);
+bool is_reachable(const Executor& robot, const CalibrationTouch& touch,
+                  const CalibrateOptions& options);
 
 /// How a fingertip that came down met the table.
 enum class TablePress { missed, felt, unfelt };
 
 /// Comes down until the fingertip feels the table, the mount bears a load that it does not feel,
 /// or the mount is at `height`, m.
-TablePress press_table(Executor& robot, const TableTouch& touch, const CalibrateOptions& options,
-                       double height);
+TablePress press_table(Executor& robot, const CalibrationTouch& touch,
+                       const CalibrateOptions& options, double height);
 
 }  // namespace palpate::skills

@@ -23,7 +23,7 @@ double TouchTestPhase::time_limit() const { return kSecondsAFinger * hand::kMaxF
 
 /// A fingertip with which the hand cannot press on the table counts as numb: it was held up.
 bool TouchTestPhase::is_numb(Executor& robot, int finger) const {
-  const auto touch = table_touch(robot.model(), finger);
+  const auto touch = calibration_touch(robot.model(), finger);
   if (!touch || !is_reachable(robot, *touch, options_)) return true;
   take_attitude(robot, *touch, options_);
   const double seat = -lowest(robot.model(), *touch);

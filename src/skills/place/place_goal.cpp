@@ -68,7 +68,7 @@ std::optional<HeldObject> held_object(const geometry::KnownObject& object,
     flat.push_back({T_world_closed.inverse() * (settles ? laid_flat(object, standing) : standing),
                     pose.weight});
   }
-  const localization::Consensus best = localization::consensus(flat, object.symmetries, same);
+  const localization::PoseConsensus best = localization::consensus(flat, object.symmetries, same);
   HeldObject held;
   held.T_base_object_flat = best.T;
   held.T_base_object = localization::consensus(in_air, object.symmetries, same).T;

@@ -157,7 +157,7 @@ PhaseEnd WithdrawPhase::run(Executor& robot, PickState&) {
   far.xyz.z() = std::max(far.xyz.z(), options_.height);
   robot.move_base(far, options_.far_speed);
   robot.wait(2 * kSettleSeconds);
-  robot.mark(mark_);
+  robot.mark(event_);
   const double load = estimation::mean_load(robot.log());
   if (load > options_.empty * weight_) {
     return {false, fmt::format("{:.2f} N still hang in the hand", load)};

@@ -38,9 +38,9 @@ using KnownSpots = hand::PerFinger<std::vector<Eigen::Vector3d>>;
 
 KnownSpots known_spots(const Executor& robot) {
   KnownSpots known;
-  for (const estimation::TouchEvent mark :
+  for (const estimation::TouchEvent event :
        {estimation::TouchEvent::closed, estimation::TouchEvent::probed}) {
-    for (const std::size_t reading : robot.log().all(mark)) {
+    for (const std::size_t reading : robot.log().all(event)) {
       for (const auto& contact : contacts_at(robot, reading)) {
         known[static_cast<std::size_t>(contact.finger)].push_back(contact.p);
       }

@@ -25,7 +25,7 @@ constexpr double kMinWeight = 0.5;      // of the object's weight, that must sti
 int regrasps_made(const estimation::EventLog& log) {
   const auto moments = log.since_release();
   return static_cast<int>(std::count_if(moments.begin(), moments.end(), [](const auto& moment) {
-    return moment.mark == estimation::TouchEvent::opened;
+    return moment.event == estimation::TouchEvent::opened;
   }));
 }
 

@@ -108,7 +108,7 @@ class Turning {
     if (steps < options_.tightenings) return Vector6d::Zero();
     const Eigen::Isometry3d T_base_world = robot_.command().base.pose().inverse();
     return shortened(way_between(T_base_world * tracked(), T_base_world * goal_),
-                     options_.speed * options_.period, options_.way_speed * options_.period);
+                     options_.speed * options_.period, options_.linear_speed * options_.period);
   }
 
   /// Remembers where the fingertips touch, for those that will not in the next look: they go along
@@ -175,7 +175,7 @@ class Turning {
         mending_lead(looks_++ < options_.tightenings ? options_.tighten_gain : options_.force_gain);
     tracker_.update(frame());
     view_.T_base_object = robot_.reading().base.pose().inverse() * tracked();
-    return evaluator();
+    return ending();
   }
 
   /// Contacts in the world, and how fast the object has moved there since the last look: as it did
@@ -207,7 +207,7 @@ class Turning {
     return frame;
   }
 
-  std::optional<ReorientEnd> evaluator() {
+  std::optional<ReorientEnd> ending() {
     hand::PerFinger<bool> touches{};
     for (const auto& contact : view_.contacts) {
       touches[static_cast<std::size_t>(contact.finger)] = true;
@@ -218,7 +218,7 @@ class Turning {
     if (!well_known(tracker_.posterior().modes.front(), options_)) return ReorientEnd::drift;
     const auto error = left();
     const double distance =
-        std::max(error.rotation / options_.done_angle, error.translation / options_.done_way);
+        std::max(error.rotation / options_.done_angle, error.translation / options_.done_distance);
     if (distance < 1) return ReorientEnd::reached;
     stalled_ = distance < nearest_ ? 0 : stalled_ + 1;
     nearest_ = std::min(nearest_, distance);
@@ -248,7 +248,7 @@ class Turning {
 
 bool well_known(const localization::Mode& mode, const ReorientOptions& options) {
   return largest_deviation(mode.covariance.topLeftCorner<3, 3>()) <= options.drift_angle &&
-         largest_deviation(mode.covariance.bottomRightCorner<3, 3>()) <= options.drift_way;
+         largest_deviation(mode.covariance.bottomRightCorner<3, 3>()) <= options.drift_distance;
 }
 
 std::string_view to_string(ReorientEnd end) { return kEndNames[static_cast<std::size_t>(end)]; }

@@ -64,8 +64,8 @@ std::vector<grasping::GraspMotion> StepSampler::variants(const Vector6d& step,
                                              {step, {}});
   for (std::size_t i = 1; i < motions.size(); ++i) {
     motions[i].twist *= 1 + sampling.scale_sigma * random.normal();
-    motions[i].twist.head<3>() += sampling.turn_sigma * random.normal3();
-    motions[i].twist.tail<3>() += sampling.way_sigma * random.normal3();
+    motions[i].twist.head<3>() += sampling.rotation_sigma * random.normal3();
+    motions[i].twist.tail<3>() += sampling.translation_sigma * random.normal3();
     for (std::size_t k = 0; k < robot_.model().fingers.size(); ++k) {
       motions[i].press[k] = sampling.press_sigma * random.normal();
     }
@@ -93,7 +93,7 @@ double StepSampler::cost(const RolloutOutcome& settled, const RolloutOutcome& en
   const SamplingOptions& sampling = options_.sampling;
   const Vector6d miss = way_between(settled.T_base_object, end.T_base_object) - step;
   double sum = miss.head<3>().squaredNorm() / std::pow(sampling.angle_scale, 2) +
-               miss.tail<3>().squaredNorm() / std::pow(sampling.way_scale, 2);
+               miss.tail<3>().squaredNorm() / std::pow(sampling.distance_scale, 2);
   for (std::size_t finger = 0; finger < robot_.model().fingers.size(); ++finger) {
     const bool lost = settled.tip_forces[finger] > kTouching && end.tip_forces[finger] < kTouching;
     sum += lost ? sampling.finger_cost : 0;

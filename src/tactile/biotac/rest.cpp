@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "palpate/core/statistics.hpp"
-#include "palpate/tactile/biotac/rest_tracker.hpp"
 #include "tactile/biotac/faults.hpp"
+#include "tactile/biotac/rest_tracker.hpp"
 
 namespace palpate::tactile {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/tactile/biotac/rest_tracker.hpp"
+#include "tactile/biotac/rest_tracker.hpp"
 
 #include <algorithm>
 

@@ -84,6 +84,10 @@ double kinematic_variance(const hand::Description& hand, const hand::JointVector
 
 }  // namespace
 
+hand::TipContact tip_contact(const Contact& contact) {
+  return {contact.p, contact.n, contact.f, contact.point_sigma, contact.normal_sigma};
+}
+
 hand::JointVector mean_joints(std::span<const hand::HandReading> window) {
   hand::JointVector sum = hand::JointVector::Zero(window.front().joints.size());
   for (const auto& reading : window) sum += reading.joints;

@@ -178,8 +178,7 @@ std::vector<NormalCluster> cluster_normals(std::span<const NormalAt> contacts,
     const std::size_t seed = rest.front();
     rest.erase(rest.begin());
     const auto chain = chain_from(seed, contacts, options, rest);
-    if (static_cast<int>(chain.size()) >= options.least)
-      clusters.push_back(summed(chain, contacts));
+    if (static_cast<int>(chain.size()) >= options.min) clusters.push_back(summed(chain, contacts));
   }
   std::stable_sort(clusters.begin(), clusters.end(),
                    [](const auto& a, const auto& b) { return a.size > b.size; });

@@ -23,13 +23,13 @@ struct NormalCluster {
 struct ClusterOptions {
   double distance = 0.01;               ///< m; thesis 5.3.3 takes 1 cm
   double angle = std::numbers::pi / 5;  ///< rad; pi: by place alone, as the thesis does
-  int least = 3;                        ///< contacts that make a cluster
+  int min = 3;                          ///< contacts that make a cluster
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("distance", distance, 0.0, 1.0, "m, between neighbours of one cluster");
     v("angle", angle, 0.0, std::numbers::pi, "rad, between normals of neighbours");
-    v("min", least, 1, 1000000, "contacts that make a cluster");
+    v("min", min, 1, 1000000, "contacts that make a cluster");
   }
 };
 

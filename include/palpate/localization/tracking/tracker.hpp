@@ -26,7 +26,7 @@ struct TrackerOptions {
   double false_contacts = 0.05;   ///< prior share
   double slip_jump = 1.8;         ///< rise of a contact's mean energy that indicates a slip
   double slip_angle = 0.1745;     ///< spread of the poses searched after it, rad
-  double slip_way = 0.005;        ///< and m
+  double slip_distance = 0.005;   ///< and m
   int slip_poses = 40;            ///< started a frame while it is searched
   double slip_search = 0.3;       ///< s after a slip in which it is searched
 
@@ -42,7 +42,7 @@ struct TrackerOptions {
     v("false_contacts", false_contacts, 1e-3, 0.9, "prior probability that a contact is spurious");
     v("slip_jump", slip_jump, 0.1, 100.0, "rise of a contact's mean energy that indicates a slip");
     v("slip_angle", slip_angle, 0.0, 3.2, "rad, spread of the poses searched after a slip");
-    v("slip_distance", slip_way, 0.0, 0.1, "m, spread of the poses searched after a slip");
+    v("slip_distance", slip_distance, 0.0, 0.1, "m, spread of the poses searched after a slip");
     v("slip_poses", slip_poses, 1, 1000,
       "number of poses started per frame during the search after a slip");
     v("slip_search", slip_search, 0.0, 0.5, "s, duration of the search after a slip");

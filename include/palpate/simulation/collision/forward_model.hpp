@@ -9,12 +9,33 @@
 
 namespace palpate::simulation {
 
+/// The world of a forward model. Its readings are exact, and nothing differs from what the robot
+/// believes but what is said here.
+struct ForwardModelOptions {
+  double time_step = 0.002;      ///< s
+  double hand_friction = 0.8;    ///< sliding, hand against object
+  double table_friction = 0.5;   ///< sliding, object against table
+  double stiffness_scale = 4.0;  ///< of the fingers' position controllers
+  bool exact_tips = true;        ///< tips meet the true surface, the table its hull; else the parts
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    v("time_step", time_step, 1e-4, 0.01, "s, time step of the physics");
+    v("hand_friction", hand_friction, 0.0, 5.0, "friction coefficient of hand and object");
+    v("table_friction", table_friction, 0.0, 5.0, "friction coefficient of table and object");
+    v("stiffness_scale", stiffness_scale, 0.1, 20.0,
+      "factor on the stiffness of the fingers' position controllers");
+    v("exact_tips", exact_tips,
+      "compute contacts of fingertips on the true surface instead of convex parts");
+  }
+};
+
 /// The forward model in MuJoCo: a second world, made of the object's mesh and the believed hand.
 class SimulatedForwardModel final : public skills::ForwardModel {
  public:
   /// @throws BadInput for options or an object that cannot be simulated
   SimulatedForwardModel(const geometry::KnownObject& object, const hand::Description& believed,
-                        const WorldOptions& options);
+                        const ForwardModelOptions& options);
   ~SimulatedForwardModel() override;
   SimulatedForwardModel(SimulatedForwardModel&&) noexcept;
 
@@ -29,8 +50,8 @@ class SimulatedForwardModel final : public skills::ForwardModel {
 /// Collision checkers and forward models in MuJoCo.
 class SimulatedModels final : public skills::ModelFactory {
  public:
-  /// @param rollouts  of the forward models' worlds; their noise is not used
-  explicit SimulatedModels(const WorldOptions& rollouts = {}) : rollouts_(rollouts) {}
+  /// @param rollouts  of the forward models' worlds
+  explicit SimulatedModels(const ForwardModelOptions& rollouts = {}) : rollouts_(rollouts) {}
 
   [[nodiscard]] std::unique_ptr<planning::CollisionChecker> collision_checker(
       const geometry::KnownObject& object, const hand::Description& believed,
@@ -39,7 +60,7 @@ class SimulatedModels final : public skills::ModelFactory {
       const geometry::KnownObject& object, const hand::Description& believed) const override;
 
  private:
-  WorldOptions rollouts_;
+  ForwardModelOptions rollouts_;
 };
 
 }  // namespace palpate::simulation

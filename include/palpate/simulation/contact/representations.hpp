@@ -24,15 +24,15 @@ inline constexpr std::array<Representation, 5> kRepresentations = {
 std::string_view to_string(Representation representation);
 
 /// A ball of a fingertip's size just within the surface, and where it truly touches.
-struct TouchAction {
+struct TestSphere {
   Eigen::Vector3d center;        ///< of the ball, m
   geometry::ClosestPoint touch;  ///< of the true surface to the center, which is outside
 };
 
 /// Balls about points of the surface, spread by area, each `depth` within it at its nearest point.
 /// @throws BadInput unless there are points, 0 < depth < radius, and there is room for the balls
-std::vector<TouchAction> place_probes(const geometry::MeshQuery& mesh, int count, double radius,
-                                      double depth, RandomStream random);
+std::vector<TestSphere> place_test_spheres(const geometry::MeshQuery& mesh, int count,
+                                           double radius, double depth, RandomStream random);
 
 /// How a representation's deepest contacts with the probes differ from the true ones.
 struct RepresentationResult {
@@ -51,6 +51,6 @@ struct RepresentationResult {
 /// @throws BadInput for no probes, or if the simulator refuses the mesh
 RepresentationResult measure_representation(Representation representation,
                                             const geometry::MeshQuery& mesh,
-                                            const std::vector<TouchAction>& probes, double radius);
+                                            const std::vector<TestSphere>& probes, double radius);
 
 }  // namespace palpate::simulation

@@ -126,11 +126,11 @@ struct WithdrawOptions {
 class WithdrawPhase : public Phase {
  public:
   /// @param weight  of the object, N
-  /// @param mark  at the end: `opened` where the object is grasped again and what is known of its
+  /// @param event  at the end: `opened` where the object is grasped again and what is known of its
   ///   pose still holds
   WithdrawPhase(const WithdrawOptions& options, double weight,
-                estimation::TouchEvent mark = estimation::TouchEvent::released)
-      : options_(options), weight_(weight), mark_(mark) {}
+                estimation::TouchEvent event = estimation::TouchEvent::released)
+      : options_(options), weight_(weight), event_(event) {}
   std::string_view name() const override { return "withdraw"; }
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Executor& robot, PickState& state) override;
@@ -138,7 +138,7 @@ class WithdrawPhase : public Phase {
  private:
   WithdrawOptions options_;
   double weight_;
-  estimation::TouchEvent mark_;
+  estimation::TouchEvent event_;
 };
 
 }  // namespace palpate::skills

@@ -16,16 +16,16 @@ struct PalpationOptions {
   double doubtful = 0.5;
   double certain = 0.8;          ///< weight of a pose that needs none
   double min_gain_rate = 0.025;  ///< nats/s that are expected to be told, at least
-  double opening = 0.5;          ///< of J3 before a finger moves to another spot, rad
-  double spread = 0.25;          ///< of J4 to either side, at most, rad
-  double bend = 0.6;             ///< of J0, to reach lower or higher, at most, rad
-  double elsewhere = 0.006;      ///< m between spots of a finger that are not the same
-  double likely = 0.6;           ///< chance of a touch at another spot that a move must have
-  double closing_rate = 0.8;     ///< of J3, rad/s
-  double torque = 0.06;          ///< N m at J3 while closing
-  double touch_force = 0.1;      ///< N at the fingertip
-  double balance = 0.15;         ///< imbalance that the other fingers' forces may have
-  double friction = 0.5;         ///< that their balance counts on
+  double opening = 0.5;       ///< of the proximal joint before a finger moves to another spot, rad
+  double spread = 0.25;       ///< sideways, to either side, at most, rad
+  double bend = 0.6;          ///< of the outer joints, to reach lower or higher, at most, rad
+  double elsewhere = 0.006;   ///< m between spots of a finger that are not the same
+  double likely = 0.6;        ///< chance of a touch at another spot that a move must have
+  double closing_rate = 0.8;  ///< of the proximal joint, rad/s
+  double torque = 0.06;       ///< N m at the proximal joint while closing
+  double touch_force = 0.1;   ///< N at the fingertip
+  double balance = 0.15;      ///< imbalance that the other fingers' forces may have
+  double friction = 0.5;      ///< that their balance counts on
 
   [[nodiscard]] bool none() const { return max == 0 && regrasps == 0; }
 
@@ -43,14 +43,16 @@ struct PalpationOptions {
     v("min_gain_rate", min_gain_rate, 0.0, 10.0,
       "nats/s, least expected information gain of an action");
     v.expert("opening", opening, 0.1, 1.5,
-             "rad, opening of J3 before a finger moves to another point");
-    v.expert("spread", spread, 0.0, 0.35, "rad, motion of J4 to either side, at most");
-    v.expert("bend", bend, 0.0, 1.5, "rad, motion of J0, at most");
+             "rad, opening of a finger's proximal joint before it moves to another point");
+    v.expert("spread", spread, 0.0, 0.35,
+             "rad, sideways motion of a finger to either side, at most");
+    v.expert("bend", bend, 0.0, 1.5, "rad, bending of a finger's outer joints either way, at most");
     v.expert("elsewhere", elsewhere, 0.0, 0.05,
              "m, distance above which two points count as different");
     v.expert("likely", likely, 0.0, 1.0, "least probability that a motion touches a new point");
-    v.expert("closing_rate", closing_rate, 0.05, 5.0, "rad/s, speed of J3 while closing");
-    v.expert("torque", torque, 0.01, 1.0, "N m, torque at J3 while closing");
+    v.expert("closing_rate", closing_rate, 0.05, 5.0,
+             "rad/s, speed of the proximal joint while closing");
+    v.expert("torque", torque, 0.01, 1.0, "N m, torque at the proximal joint while closing");
     v.expert("touch_force", touch_force, 0.02, 5.0,
              "N, force at the fingertip that counts as a touch");
     v.expert("balance", balance, 0.0, 2.0,

@@ -13,29 +13,29 @@ namespace palpate::skills {
 
 /// How finely a step is searched by rehearsing it.
 struct SamplingOptions {
-  int samples = 16;             ///< motions rolled out a step; 0: the fingertips just carry along
-  double turn_sigma = 0.02;     ///< rad, spread of the motions' turns
-  double way_sigma = 0.001;     ///< m, of their ways
-  double scale_sigma = 0.4;     ///< of their lengths, relative
-  double press_sigma = 0.0008;  ///< m, by which fingertips press more or less
-  double settle = 0.1;          ///< s, in which the rolled out grasp finds its balance
-  double angle_scale = 0.02;    ///< rad of error that count as one
-  double way_scale = 0.002;     ///< m of error that count as one
-  double finger_cost = 2.0;     ///< of a finger that loses touch
-  double temperature = 0.5;     ///< of the weights exp(-cost / temperature)
+  int samples = 16;              ///< motions rolled out a step; 0: the fingertips just carry along
+  double rotation_sigma = 0.02;  ///< rad, spread of the motions' turns
+  double translation_sigma = 0.001;  ///< m, of their ways
+  double scale_sigma = 0.4;          ///< of their lengths, relative
+  double press_sigma = 0.0008;       ///< m, by which fingertips press more or less
+  double settle = 0.1;               ///< s, in which the rolled out grasp finds its balance
+  double angle_scale = 0.02;         ///< rad of error that count as one
+  double distance_scale = 0.002;     ///< m of error that count as one
+  double finger_cost = 2.0;          ///< of a finger that loses touch
+  double temperature = 0.5;          ///< of the weights exp(-cost / temperature)
 
   template <class Visitor>
   void visit(Visitor&& v) {
     v("samples", samples, 0, 10000,
       "number of motions rolled out per step; 0: fingertips are only carried along");
-    v("rotation_sigma", turn_sigma, 0.0, 1.0, "rad, spread of the sampled rotations");
-    v("translation_sigma", way_sigma, 0.0, 0.05, "m, spread of the sampled translations");
+    v("rotation_sigma", rotation_sigma, 0.0, 1.0, "rad, spread of the sampled rotations");
+    v("translation_sigma", translation_sigma, 0.0, 0.05, "m, spread of the sampled translations");
     v("scale_sigma", scale_sigma, 0.0, 2.0,
       "relative spread of the lengths of the sampled motions");
     v("press_sigma", press_sigma, 0.0, 0.01, "m, spread of the fingertips' motion into the object");
     v("settle", settle, 0.01, 2.0, "s, time in which the grasp comes to rest in a rollout");
     v("angle_scale", angle_scale, 1e-4, 1.0, "rad, rotation error that costs 1");
-    v("distance_scale", way_scale, 1e-5, 0.1, "m, position error that costs 1");
+    v("distance_scale", distance_scale, 1e-5, 0.1, "m, position error that costs 1");
     v("finger_cost", finger_cost, 0.0, 100.0, "cost of a finger that loses contact");
     v("temperature", temperature, 1e-3, 100.0, "temperature T of the weights exp(-cost / T)");
   }
@@ -50,17 +50,17 @@ inline localization::TrackerOptions tracking_in_grasp() {
 }
 
 struct ReorientOptions {
-  double speed = 0.12;        ///< rad/s, of the object
-  double way_speed = 0.01;    ///< m/s
-  double period = 0.35;       ///< s of motion between two looks
-  double pause = 0.12;        ///< s of rest before a look, averaged
-  double longest = 16.0;      ///< s in all
-  int patience = 6;           ///< looks in which it may come no nearer to the goal
-  double done_angle = 0.05;   ///< rad from the goal that are near enough
-  double done_way = 0.005;    ///< m
-  double drift_angle = 0.15;  ///< rad, standard deviation of the tracked pose that ends it
-  double drift_way = 0.010;   ///< m
-  int min_fingers = 3;        ///< that must touch
+  double speed = 0.12;            ///< rad/s, of the object
+  double linear_speed = 0.01;     ///< m/s
+  double period = 0.35;           ///< s of motion between two looks
+  double pause = 0.12;            ///< s of rest before a look, averaged
+  double longest = 16.0;          ///< s in all
+  int patience = 6;               ///< looks in which it may come no nearer to the goal
+  double done_angle = 0.05;       ///< rad from the goal that are near enough
+  double done_distance = 0.005;   ///< m
+  double drift_angle = 0.15;      ///< rad, standard deviation of the tracked pose that ends it
+  double drift_distance = 0.010;  ///< m
+  int min_fingers = 3;            ///< that must touch
   double regain = 0.001;      ///< m a step by which a fingertip that has lost touch is pressed on
   int regains = 4;            ///< steps in which that is tried
   double grip = 2.5;          ///< force of all fingertips while they turn, times that of the hold
@@ -75,17 +75,19 @@ struct ReorientOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("speed", speed, 0.001, 5.0, "rad/s, angular speed of the object");
-    v("linear_speed", way_speed, 1e-4, 0.5, "m/s, speed of the object");
+    v("linear_speed", linear_speed, 1e-4, 0.5, "m/s, speed of the object");
     v("period", period, 0.05, 5.0, "s, duration of motion between two updates");
     v("pause", pause, 0.01, 1.0, "s, rest before the pose is estimated");
     v("longest", longest, 0.1, 600.0, "s, time limit of the reorientation");
     v("patience", patience, 1, 1000,
       "number of estimates in a row without progress after which it ends");
     v("done_angle", done_angle, 1e-3, 1.0, "rad, distance from the goal that counts as reached");
-    v("done_distance", done_way, 1e-4, 0.1, "m, distance from the goal that counts as reached");
+    v("done_distance", done_distance, 1e-4, 0.1,
+      "m, distance from the goal that counts as reached");
     v("drift_angle", drift_angle, 1e-3, 3.2,
       "rad, standard deviation of the pose at which it ends");
-    v("drift_distance", drift_way, 1e-4, 0.1, "m, standard deviation of the pose at which it ends");
+    v("drift_distance", drift_distance, 1e-4, 0.1,
+      "m, standard deviation of the pose at which it ends");
     v("min_fingers", min_fingers, 1, 5, "number of fingers that must touch");
     v("regain", regain, 0.0, 0.01,
       "m per step, motion into the object of a fingertip that lost contact");

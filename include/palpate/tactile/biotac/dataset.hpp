@@ -30,7 +30,7 @@ struct BiotacDatasetOptions {
     v("trajectories", trajectories, 1, 1000000, "number of simulated touches");
     v("seconds", seconds, 0.3, 1000.0, "s, duration of each touch");
     v("stride", stride, 1, 1000, "frames between two rows");
-    v("most_force", max_force, 0.01, 100.0, "N, largest normal force");
+    v("max_force", max_force, 0.01, 100.0, "N, largest normal force");
     v("only_planes", only_planes, "touch only planes, no balls and rounded edges");
   }
 };

@@ -76,9 +76,10 @@ enum class BiotacRest {
 ///
 /// Rest is where the pressure lies near its lower envelope, which may rise by at most 2 counts a
 /// second. From the whole log, it may fall as slowly only, and in between the rest values are
-/// interpolated, so that the start of a log need not be free of contact. Causally, see
-/// BiotacRestTracker: a log that starts in contact has `no_rest` until the contact ends, or, where
-/// its pressure does not change for a while, takes it for rest until the pressure falls below.
+/// interpolated, so that the start of a log need not be free of contact. Causally, rest is known
+/// after ten quiet frames: a log that starts in contact has `no_rest` until the contact ends, or,
+/// where its pressure does not change for a while, takes it for rest until the pressure falls
+/// below.
 BiotacSignals biotac_signals(const BiotacLog& log, BiotacRest rest = BiotacRest::whole_log);
 
 }  // namespace palpate::tactile

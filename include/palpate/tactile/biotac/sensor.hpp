@@ -39,7 +39,7 @@ struct BiotacSensorOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("gap", gap, 1e-4, 0.01, "m, distance between core and skin at rest");
-    v("least_gap", min_gap, 1e-5, 0.01, "m, least distance between core and skin");
+    v("min_gap", min_gap, 1e-5, 0.01, "m, least distance between core and skin");
     v("spread", spread, 1e-4, 0.02, "m, standard deviation of an electrode's view of the skin");
     v("bulge_area", bulge_area, 1e-5, 1.0, "m^2, of the skin that displaced fluid lifts");
     v("drag", drag, 0.0, 10.0, "share of the skin's shear that drags the fluid along");

@@ -31,6 +31,10 @@ struct ContactErrorModel {
   }
 };
 
+/// A contact as a reading of its finger holds it.
+/// @param contact  in the frame of the finger's distal link
+hand::TipContact tip_contact(const Contact& contact);
+
 /// Mean joint angles of some readings, at least one, rad.
 hand::JointVector mean_joints(std::span<const hand::HandReading> window);
 

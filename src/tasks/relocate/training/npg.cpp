@@ -306,7 +306,7 @@ MlpPolicy clone_behavior(const Demonstrations& demonstrations, const CloningOpti
       const MatrixXd left = demonstrations.actions - policy.mean(demonstrations.observations);
       const Eigen::ArrayXd spread = left.array().square().rowwise().mean().sqrt();
       const Eigen::ArrayXd log_std = (options.std_share * spread + 1e-300).log();
-      policy.set_log_std(log_std.max(options.least_log_std).matrix());
+      policy.set_log_std(log_std.max(options.min_log_std).matrix());
     }
   }
   return policy;

@@ -47,7 +47,7 @@ struct NpgOptions {
       "number of halvings of a step that exceeds the divergence, at most");
     v("conjugate_steps", conjugate_steps, 1, 1000, "number of conjugate gradient steps");
     v("damping", damping, 0.0, 10.0, "damping added to the Fisher information");
-    v("least_log_std", min_log_std, -20.0, 2.0,
+    v("min_log_std", min_log_std, -20.0, 2.0,
       "least logarithm of the standard deviation of the actions");
     v("demo_weight", demo_weight, 0.0, 100.0, "weight lambda_0 of the demonstrations");
     v("demo_decay", demo_decay, 0.0, 1.0, "factor lambda_1 on that weight per iteration");
@@ -103,9 +103,9 @@ struct CloningOptions {
   double rate = 1e-3;  ///< of numerics::Adam
   double log_std = 0;  ///< of the actions of the policy that is made
   /// Takes instead the log standard deviation that makes the demonstrations likeliest (eq. 7.2):
-  /// that of what is left of each action, but no less than least_log_std.
+  /// that of what is left of each action, but no less than min_log_std.
   bool fit_log_std = false;
-  double least_log_std = -4;
+  double min_log_std = -4;
   double std_share = 1;  ///< of the standard deviations found so that one explores with
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -116,7 +116,7 @@ struct CloningOptions {
       "logarithm of the standard deviation of the actions of the new policy");
     v("fit_log_std", fit_log_std,
       "take the standard deviations that make the demonstrations likeliest instead of log_std");
-    v("least_log_std", least_log_std, -20.0, 2.0,
+    v("min_log_std", min_log_std, -20.0, 2.0,
       "least logarithm of the standard deviations found in this way");
     v("std_share", std_share, 1e-3, 100.0, "factor on the standard deviations found in this way");
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/explore/table_touches.hpp"
+#include "skills/explore/calibration_touches.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,8 +33,8 @@ void bend_finger(const hand::Description& hand, int finger, RandomStream& random
   }
 }
 
-TableTouch draw_touch(const hand::Description& hand, int finger, RandomStream& random) {
-  TableTouch touch;
+CalibrationTouch draw_touch(const hand::Description& hand, int finger, RandomStream& random) {
+  CalibrationTouch touch;
   touch.finger = finger;
   touch.posture = random.uniform() < 0.5 ? hand.postures.folded : hand.postures.stretched;
   bend_finger(hand, finger, random, touch.posture);
@@ -45,7 +45,7 @@ TableTouch draw_touch(const hand::Description& hand, int finger, RandomStream& r
 }
 
 /// By how much the fingertip is lower than all else of the hand, m.
-double stands_out(const hand::Description& hand, const TableTouch& touch) {
+double stands_out(const hand::Description& hand, const CalibrationTouch& touch) {
   const int tip = hand.fingers[static_cast<std::size_t>(touch.finger)].link;
   const auto is_tip = [tip](int link) { return link == tip; };
   const auto is_other = [tip](int link) { return link != tip; };
@@ -53,13 +53,13 @@ double stands_out(const hand::Description& hand, const TableTouch& touch) {
          lowest_part(hand, touch.posture, touch.attitude, is_tip);
 }
 
-std::vector<TableTouch> possible_touches(const hand::Description& hand) {
+std::vector<CalibrationTouch> possible_touches(const hand::Description& hand) {
   RandomStream random(kDesign, "attitudes");
   const hand::SelfClearance clearance(hand,
                                       hand::joints_in_free_flexion(hand, hand.postures.stretched));
-  std::vector<TableTouch> touches;
+  std::vector<CalibrationTouch> touches;
   for (int i = 0; i < kDrawn; ++i) {
-    const TableTouch touch = draw_touch(hand, i % hand.finger_count(), random);
+    const CalibrationTouch touch = draw_touch(hand, i % hand.finger_count(), random);
     const auto joints = hand::joints_in_free_flexion(hand, touch.posture);
     if (!clearance.is_clear(joints)) continue;
     if (stands_out(hand, touch) > kAlone) touches.push_back(touch);
@@ -68,7 +68,7 @@ std::vector<TableTouch> possible_touches(const hand::Description& hand) {
 }
 
 /// s that it takes from one to another, about.
-double seconds_between(const TableTouch& a, const TableTouch& b) {
+double seconds_between(const CalibrationTouch& a, const CalibrationTouch& b) {
   const double turn = std::max(std::abs(a.attitude.pitch - b.attitude.pitch),
                                std::abs(a.attitude.roll - b.attitude.roll));
   const double bend = (a.posture - b.posture).cwiseAbs().maxCoeff();
@@ -76,7 +76,7 @@ double seconds_between(const TableTouch& a, const TableTouch& b) {
 }
 
 /// The nearest one comes next.
-void sort_by_nearness(std::vector<TableTouch>& touches) {
+void sort_by_nearness(std::vector<CalibrationTouch>& touches) {
   for (std::size_t i = 1; i < touches.size(); ++i) {
     const auto nearer = [&](const auto& a, const auto& b) {
       return seconds_between(touches[i - 1], a) < seconds_between(touches[i - 1], b);
@@ -87,7 +87,7 @@ void sort_by_nearness(std::vector<TableTouch>& touches) {
 }
 
 /// s that are saved by turning round the order from the one after `i` to `j`.
-double gain(const std::vector<TableTouch>& touches, std::size_t i, std::size_t j) {
+double gain(const std::vector<CalibrationTouch>& touches, std::size_t i, std::size_t j) {
   const double before = seconds_between(touches[i], touches[i + 1]);
   const double after = seconds_between(touches[i], touches[j]);
   if (j + 1 == touches.size()) return before - after;
@@ -96,7 +96,7 @@ double gain(const std::vector<TableTouch>& touches, std::size_t i, std::size_t j
 }
 
 /// Turns round stretches of the order while that shortens it (2-opt). @return whether one did
-bool shorten(std::vector<TableTouch>& touches) {
+bool shorten(std::vector<CalibrationTouch>& touches) {
   bool shorter = false;
   for (std::size_t i = 0; i + 2 < touches.size(); ++i) {
     for (std::size_t j = i + 2; j < touches.size(); ++j) {
@@ -112,7 +112,7 @@ bool shorten(std::vector<TableTouch>& touches) {
 
 }  // namespace
 
-hand::BasePosition TableTouch::base(const CalibrateOptions& options, double height) const {
+hand::BasePosition CalibrationTouch::base(const CalibrateOptions& options, double height) const {
   return {{options.x + aside.x(), options.y + aside.y(), height},
           {0, attitude.pitch, attitude.roll}};
 }
@@ -135,10 +135,10 @@ std::vector<tactile::TipPosture> fingertips_in_grasps(const hand::Description& h
   return tips;
 }
 
-std::optional<TableTouch> table_touch(const hand::Description& hand, int finger) {
-  std::optional<TableTouch> best;
+std::optional<CalibrationTouch> calibration_touch(const hand::Description& hand, int finger) {
+  std::optional<CalibrationTouch> best;
   double most = 0;
-  for (const TableTouch& touch : possible_touches(hand)) {
+  for (const CalibrationTouch& touch : possible_touches(hand)) {
     const double alone = touch.finger == finger ? stands_out(hand, touch) : 0;
     if (alone <= most) continue;
     most = alone;
@@ -147,17 +147,17 @@ std::optional<TableTouch> table_touch(const hand::Description& hand, int finger)
   return best;
 }
 
-std::vector<TableTouch> calibration_touches(const hand::Description& hand,
-                                            const CalibrateOptions& options) {
+std::vector<CalibrationTouch> calibration_touches(const hand::Description& hand,
+                                                  const CalibrateOptions& options) {
   const auto possible = possible_touches(hand);
   std::vector<tactile::TipOnPlane> tips;
-  for (const TableTouch& touch : possible) {
+  for (const CalibrationTouch& touch : possible) {
     tips.push_back({{touch.finger, hand::joints_in_free_flexion(hand, touch.posture)},
                     Eigen::Vector3d::Zero(),
                     touch.base(options, 0).pose().inverse(),
                     options.sigma});
   }
-  std::vector<TableTouch> chosen;
+  std::vector<CalibrationTouch> chosen;
   for (const std::size_t i :
        tactile::choose_touches(hand, tips, static_cast<std::size_t>(options.touches),
                                fingertips_in_grasps(hand), mount_prior(options))) {

@@ -64,17 +64,18 @@ void check_collision(const Waypoint& waypoint, CollisionChecker& scene,
 
 }  // namespace
 
-std::vector<Fault> find_faults(const std::vector<Waypoint>& waypoints, CollisionChecker& scene,
-                               const BaseRange& range) {
-  std::vector<Fault> faults;
+std::vector<InvalidWaypoint> find_invalid_waypoints(const std::vector<Waypoint>& waypoints,
+                                                    CollisionChecker& scene,
+                                                    const BaseRange& range) {
+  std::vector<InvalidWaypoint> invalid;
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     std::vector<std::string> reasons;
     check_base(waypoints[i].base, range, reasons);
     check_joints(scene.hand(), waypoints[i].joints, reasons);
     if (reasons.empty()) check_collision(waypoints[i], scene, reasons);
-    for (std::string& reason : reasons) faults.push_back({i, std::move(reason)});
+    for (std::string& reason : reasons) invalid.push_back({i, std::move(reason)});
   }
-  return faults;
+  return invalid;
 }
 
 }  // namespace palpate::planning

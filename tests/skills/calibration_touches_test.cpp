@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/explore/table_touches.hpp"
+#include "skills/explore/calibration_touches.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,11 +11,11 @@
 namespace palpate::skills {
 namespace {
 
-TEST(TableTouches, EachFingertipIsTheLowestPartOfTheHandInSome) {
+TEST(CalibrationTouches, EachFingertipIsTheLowestPartOfTheHandInSome) {
   const auto touches = calibration_touches(soft_shadow(), {});
   ASSERT_EQ(touches.size(), 40);
   std::set<int> fingers;
-  for (const TableTouch& touch : touches) {
+  for (const CalibrationTouch& touch : touches) {
     fingers.insert(touch.finger);
     const int tip = soft_shadow().fingers[static_cast<std::size_t>(touch.finger)].link;
     EXPECT_EQ(lowest_part(soft_shadow(), touch.posture, touch.attitude),
@@ -25,9 +25,9 @@ TEST(TableTouches, EachFingertipIsTheLowestPartOfTheHandInSome) {
   EXPECT_EQ(fingers.size(), soft_shadow().fingers.size());
 }
 
-TEST(TableTouches, TheNextOneIsNear) {
+TEST(CalibrationTouches, TheNextOneIsNear) {
   const auto touches = calibration_touches(soft_shadow(), {});
-  const auto turn = [](const TableTouch& a, const TableTouch& b) {
+  const auto turn = [](const CalibrationTouch& a, const CalibrationTouch& b) {
     return std::max({std::abs(a.attitude.pitch - b.attitude.pitch),
                      std::abs(a.attitude.roll - b.attitude.roll),
                      (a.posture - b.posture).cwiseAbs().maxCoeff()});
@@ -35,7 +35,7 @@ TEST(TableTouches, TheNextOneIsNear) {
   double next = 0, any = 0;
   for (std::size_t i = 0; i < touches.size(); ++i) {
     if (i > 0) next += turn(touches[i - 1], touches[i]) / static_cast<double>(touches.size() - 1);
-    for (const TableTouch& other : touches) {
+    for (const CalibrationTouch& other : touches) {
       any += turn(touches[i], other) / static_cast<double>(touches.size() * (touches.size() - 1));
     }
   }

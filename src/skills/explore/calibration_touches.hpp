@@ -9,7 +9,7 @@
 namespace palpate::skills {
 
 /// A posture and an attitude of the mount in which one fingertip is the lowest part of the hand.
-struct TableTouch {
+struct CalibrationTouch {
   int finger = 0;
   hand::ActuatorVector posture;
   hand::Attitude attitude;                          ///< of the mount
@@ -21,11 +21,11 @@ struct TableTouch {
 
 /// The touches that tell most of where fingertips are in grasps, in an order in which it does not
 /// take long from one to the next.
-std::vector<TableTouch> calibration_touches(const hand::Description& hand,
-                                            const CalibrateOptions& options);
+std::vector<CalibrationTouch> calibration_touches(const hand::Description& hand,
+                                                  const CalibrateOptions& options);
 
 /// The touch in which a fingertip is lowest by most; none where it never is alone the lowest.
-std::optional<TableTouch> table_touch(const hand::Description& hand, int finger);
+std::optional<CalibrationTouch> calibration_touch(const hand::Description& hand, int finger);
 
 /// Fingertips in grasps: each finger somewhere on its way from the open to the closed hand.
 std::vector<tactile::TipPosture> fingertips_in_grasps(const hand::Description& hand);
