@@ -159,6 +159,7 @@ void add_bench(CLI::App& program, Command& chosen) {
   command
       .add_option("--object", arguments->object,
                   "mug, bottle, box, bracket, duck, or a mesh file in metres")
+      ->option_text("O")
       ->capture_default_str();
   command.add_option("--probes", arguments->probes, "balls placed on the surface")
       ->check(in_range(1, 100000))

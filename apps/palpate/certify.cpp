@@ -25,12 +25,11 @@ struct CertifyArguments {
   std::optional<double> noise_bound;
 };
 
+constexpr std::size_t kLeastPairs = 3;  // that determine a pose
+
 /// The correspondences within the bound, m.
 rg::Correspondences inliers_of(const rg::Correspondences& correspondences,
                                const Eigen::Isometry3d& T, double bound) {
-  if (!(bound > 0) || !std::isfinite(bound)) {
-    throw BadInput(fmt::format("noise bound {} m is not positive", bound));
-  }
   const auto squared = rg::squared_residuals(correspondences, T, rg::Primitive::kPoint);
   std::vector<int> inliers;
   for (std::size_t i = 0; i < squared.size(); ++i) {
@@ -39,17 +38,42 @@ rg::Correspondences inliers_of(const rg::Correspondences& correspondences,
   return rg::subset(correspondences, inliers);
 }
 
+/// What may be the reason that a pose is not certified, if not the unit of the points.
+std::string reason_of(const CertifyArguments& arguments, std::size_t pairs) {
+  if (!arguments.noise_bound) {
+    return fmt::format("all {} pairs count; if there are outliers among them, use --noise-bound",
+                       pairs);
+  }
+  const double bound = *arguments.noise_bound;
+  if (pairs == 0) {
+    return fmt::format("no pair is within {:g} m of this pose; nothing to certify", bound);
+  }
+  if (pairs >= kLeastPairs) return "";
+  return fmt::format("only {} of the pairs {} within {:g} m of this pose; three are the least",
+                     pairs, pairs == 1 ? "is" : "are", bound);
+}
+
+void print_result(const rg::PoseEstimate& estimate, std::size_t pairs) {
+  fmt::print("{}: cost {:.6g} m^2 of {} correspondences",
+             colored_status(rg::to_string(estimate.status)), estimate.cost, pairs);
+  if (pairs >= kLeastPairs) {
+    fmt::print(", at most {:.2g} m^2 above the global optimum", estimate.bound);
+  }
+  fmt::print("\n");
+}
+
 int certify(const CertifyArguments& arguments) {
   const Eigen::Isometry3d T = parse_pose(arguments.pose);
   const auto primitive =
       arguments.primitive == "plane" ? rg::Primitive::kPlane : rg::Primitive::kPoint;
   auto correspondences = rg::read_correspondences(arguments.correspondences);
-  const std::string hint =
+  std::string hint =
       units_hint(correspondences.source, correspondences.target, arguments.noise_bound.value_or(0));
   const auto start = std::chrono::steady_clock::now();
   if (arguments.noise_bound) {
     correspondences = inliers_of(correspondences, T, *arguments.noise_bound);
   }
+  if (hint.empty()) hint = reason_of(arguments, correspondences.size());
   const auto estimate = rg::certify(T, correspondences, {}, primitive);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   const bool certified = estimate.status == rg::Status::kCertified;
@@ -69,11 +93,14 @@ int certify(const CertifyArguments& arguments) {
   if (arguments.common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
-    fmt::print(
-        "{}: cost {:.6g} m^2 of {} correspondences, at most {:.2g} m^2 above the global optimum\n",
-        colored_status(rg::to_string(estimate.status)), estimate.cost, correspondences.size(),
-        estimate.bound);
+    print_result(estimate, correspondences.size());
     if (!certified && !hint.empty()) fmt::print("{}\n", hint);
+    if (estimate.status == rg::Status::kUncertified) {
+      print_next(arguments.common,
+                 fmt::format("palpate register --correspondences {} finds the pose that most pairs "
+                             "agree with",
+                             arguments.correspondences));
+    }
   }
   return certified ? kDone : kNoSolution;
 }
@@ -102,12 +129,13 @@ void add_certify(CLI::App& program, Command& chosen) {
   command
       .add_option("--noise-bound", arguments->noise_bound,
                   "use only the correspondences within this distance, m")
-      ->option_text("M");
+      ->option_text("M")
+      ->check(positive());
   command.footer(
       "Exits with 4 unless the pose is certified. --out receives report.json.\n\n"
       "Examples:\n"
-      "  palpate certify 1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1 --correspondences pairs.csv\n"
-      "  palpate certify pose.txt --correspondences pairs.csv --noise-bound 0.004 --json");
+      "  palpate certify pose.txt --correspondences pairs.csv --noise-bound 0.004\n"
+      "  palpate certify 1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1 --correspondences inliers.csv --json");
   command.callback([arguments, &chosen] { chosen = [arguments] { return certify(*arguments); }; });
 }
 

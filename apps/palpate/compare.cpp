@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/numerics/hypothesis_tests.hpp"
@@ -67,14 +68,23 @@ std::vector<double> training_means(const CompareArguments& arguments,
   return means;
 }
 
-TwoSamples gather(const CompareArguments& arguments) {
-  const auto options = resolve<RelocateOptions>(arguments.common);
+/// Before any episode is run. @throws BadInput for a name that is none, or too few names
+void check_names(const CompareArguments& arguments) {
+  const auto a = names_in(arguments.a), b = names_in(arguments.b);
+  const auto fewer = std::min(a.size(), b.size()), more = std::max(a.size(), b.size());
+  if (fewer < 2 && more > 1) {
+    throw BadInput(fmt::format("{} trainings against {}: at least two of each, or one file each",
+                               a.size(), b.size()));
+  }
+  for (const auto& names : {a, b}) {
+    for (const auto& name : names)
+      is_policy(name) ? void(find_policy(name)) : void(read_returns(name));
+  }
+}
+
+TwoSamples gather(const CompareArguments& arguments, const RelocateOptions& options) {
   const auto a = names_in(arguments.a), b = names_in(arguments.b);
   if (a.size() != 1 || b.size() != 1) {
-    if (std::min(a.size(), b.size()) < 2) {
-      throw BadInput(fmt::format("{} trainings against {}: at least two of each, or one file each",
-                                 a.size(), b.size()));
-    }
     return {training_means(arguments, options, a), training_means(arguments, options, b), false,
             "training"};
   }
@@ -213,11 +223,13 @@ void refuse_options_of_rollouts(const CompareArguments& arguments, const CLI::Ap
   }
 }
 
-int compare(const CompareArguments& arguments) {
+int compare(const CompareArguments& arguments, const CLI::App& command) {
   const auto& common = arguments.common;
+  const auto options = resolve<RelocateOptions>(common);
+  check_names(arguments);
   const auto output = claim_output(common, {"compare.json"});
   std::optional<Notice> notice(std::in_place, "running episodes", common.quiet);
-  const TwoSamples samples = gather(arguments);
+  const TwoSamples samples = gather(arguments, options);
   notice.reset();
   const auto comparison =
       numerics::compare_samples(samples.a, samples.b, RandomStream(common.seed, "compare"));
@@ -234,9 +246,9 @@ int compare(const CompareArguments& arguments) {
   } else {
     print_table(comparison, samples, report);
   }
-  if (!common.out.empty()) {
-    print_next(common, fmt::format("open {}/histogram.svg in a browser", common.out));
-  }
+  print_next(common, common.out.empty()
+                         ? given_command(command) + " --out out/compare draws the histograms"
+                         : fmt::format("open {}/histogram.svg in a browser", common.out));
   return kDone;
 }
 
@@ -273,7 +285,7 @@ void add_compare(CLI::App& program, Command& chosen) {
   command.callback([arguments, &command, &chosen] {
     chosen = [arguments, &command] {
       refuse_options_of_rollouts(*arguments, command);
-      return compare(*arguments);
+      return compare(*arguments, command);
     };
   });
 }

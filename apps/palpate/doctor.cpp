@@ -88,9 +88,10 @@ Check check_threads() {
 
 Check check_data() {
   const char* const folder = std::getenv("PALPATE_DATA");
-  return {"PALPATE_DATA", true,
-          folder ? folder : "not set; only tests on measured data need it, and skip without",
-          false};
+  return {
+      "PALPATE_DATA", true,
+      folder ? folder : "optional, not set: only tests on measured data use it, and skip without",
+      false};
 }
 
 std::vector<Check> all_checks() {

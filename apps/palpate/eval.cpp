@@ -230,11 +230,11 @@ void check_candidates(const EvalArguments& arguments) {
 int eval(EvalArguments arguments) {
   if (arguments.campaign) {
     if (!arguments.place.empty() || !arguments.shard_text.empty() || arguments.known.mass ||
-        !arguments.known.at.empty() || !arguments.candidates.empty() ||
-        arguments.live.option->count() > 0) {
+        !arguments.known.at.empty() || arguments.known.units != "m" ||
+        !arguments.candidates.empty() || arguments.live.option->count() > 0) {
       throw BadInput(
-          "--faults cannot be combined with --place, --shard, --mass, --at, --candidates or "
-          "--live");
+          "--faults cannot be combined with --place, --shard, --mass, --at, --units, --candidates "
+          "or --live");
     }
     if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
       throw BadInput("--resume needs the --out of a campaign, and no --force");
@@ -256,6 +256,7 @@ int eval(EvalArguments arguments) {
     throw BadInput(fmt::format("{}: there is no evaluation to go on with", records.string()));
   }
   arguments.objects = geometry::expand_object_names(arguments.objects);
+  require_mesh_file(arguments.objects, arguments.known.units);
   check_candidates(arguments);
   auto options = resolve_trial(arguments.common, arguments.hand, arguments.arm);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);

@@ -21,10 +21,15 @@ struct ExportArguments {
   bool force = false, json = false;
 };
 
-/// @throws BadInput for a file that is there and may not be overwritten
+/// @throws BadInput for a file that is there and may not be overwritten, or whose folder is not
 fs::path target_of(const ExportArguments& arguments) {
   fs::path target = arguments.out;
   if (target.empty()) target = fs::path(arguments.recording).replace_extension(".mcap");
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  if (!fs::is_directory(folder)) {
+    throw BadInput(
+        fmt::format("there is no folder {} for {}", folder.string(), target.filename().string()));
+  }
   if (fs::exists(target) && !arguments.force) {
     throw BadInput(fmt::format("{} exists; --force overwrites it", target.string()));
   }
@@ -56,8 +61,8 @@ int export_by_python(const ExportArguments& arguments) {
 
 int export_recording(const ExportArguments& arguments) {
   if (arguments.format != "mcap") return export_by_python(arguments);
-  const auto recording = recording::read_recording(arguments.recording);
   const fs::path target = target_of(arguments);
+  const auto recording = recording::read_recording(arguments.recording);
   std::optional<Notice> notice(std::in_place, "writing messages", arguments.json);
   const std::uint64_t messages = ros2::export_mcap(recording, target);
   notice.reset();

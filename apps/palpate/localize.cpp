@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "localize_demo.hpp"
 #include "localize_evidence.hpp"
 #include "localize_report.hpp"
@@ -60,7 +61,7 @@ struct LocalizeArguments {
   bool demo = false, ignore_spin = false;
   double point_noise = 0.001, normal_noise_deg = 10;
   std::optional<double> table;
-  std::string free, planes, prior;
+  std::string free, planes, prior, units = "m";
 };
 
 std::vector<tactile::Contact> flipped(std::vector<tactile::Contact> contacts) {
@@ -117,16 +118,28 @@ std::vector<std::string> names_of(const std::string& meshes) {
   return CLI::detail::split(meshes, ',');
 }
 
+/// @throws BadInput also for a file without contacts, if nothing else says where the object is
+std::vector<tactile::Contact> contacts_of(const LocalizeArguments& arguments) {
+  auto contacts = lo::read_contacts(arguments.contacts,
+                                    {arguments.point_noise, arguments.normal_noise_deg * kDegree});
+  const bool alone = !arguments.table && arguments.planes.empty() && arguments.prior.empty();
+  if (contacts.empty() && alone) {
+    throw BadInput(arguments.contacts + " has no contacts: there is nothing below its header");
+  }
+  return contacts;
+}
+
 lo::Evidence evidence_of(const LocalizeArguments& arguments, const LocalizeOptions& options,
                          const geometry::KnownObject& object) {
   lo::Evidence evidence;
-  evidence.contacts = lo::read_contacts(
-      arguments.contacts, {arguments.point_noise, arguments.normal_noise_deg * kDegree});
+  evidence.contacts = contacts_of(arguments);
+  check_together(arguments.contacts, evidence.contacts,
+                 geometry::bounds(object.mesh).diagonal().norm());
   if (arguments.table) evidence.table = table_at(*arguments.table, evidence.contacts, object);
   if (!arguments.free.empty()) evidence.free_space = lo::read_free_space(arguments.free);
   if (!arguments.planes.empty()) evidence.planes = lo::read_plane_contacts(arguments.planes);
   if (!arguments.prior.empty()) {
-    evidence.prior = read_prior(arguments.prior, object.T_mesh_object);
+    evidence.prior = read_prior(arguments.prior, arguments.mesh, object.T_mesh_object);
   }
   evidence.false_contact_share = options.false_contacts;
   evidence.noise_scale_prior = options.noise_scale_prior;
@@ -186,8 +199,10 @@ LocalizeResult solve(const LocalizeArguments& arguments, const LocalizeOptions& 
                                result.names.size()));
   }
   require_distinct(result.names);
+  require_mesh_file(result.names, arguments.units);
+  contacts_of(arguments);  // bad ones are named before a mesh is prepared
   std::vector<geometry::ObjectModel> models;
-  for (const auto& name : result.names) models.emplace_back(geometry::load_known_object(name));
+  for (const auto& name : result.names) models.emplace_back(load_object(name, arguments.units));
   const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
   result.prepare_seconds = prepared.count();
   result.posterior = models.size() == 1 ? search(models.front(), arguments, options, result)
@@ -198,7 +213,24 @@ LocalizeResult solve(const LocalizeArguments& arguments, const LocalizeOptions& 
   return result;
 }
 
-int localize(const LocalizeArguments& arguments) {
+/// What goes on from the pose of the one object.
+void print_next_of(const LocalizeArguments& arguments, const CLI::App& command,
+                   const LocalizeResult& result) {
+  if (result.names.size() > 1) return;
+  const std::string& out = arguments.common.out;
+  if (!out.empty()) {
+    print_next(arguments.common,
+               fmt::format("palpate localize {} MORE_CONTACTS --prior {}/report.json",
+                           arguments.mesh, out));
+  } else if (result.posterior.status != lo::PoseStatus::no_pose) {
+    print_next(
+        arguments.common,
+        fmt::format("{} --out out/localize-{} keeps the poses, the prior of more contacts",
+                    given_command(command), std::filesystem::path(arguments.mesh).stem().string()));
+  }
+}
+
+int localize(const LocalizeArguments& arguments, const CLI::App& command) {
   if (arguments.demo) return demonstrate_localize(arguments.common);
   const auto options = resolve<LocalizeOptions>(arguments.common);
   const LocalizeResult result = solve(arguments, options);
@@ -215,11 +247,7 @@ int localize(const LocalizeArguments& arguments) {
   } else {
     print_result(result);
   }
-  if (!arguments.common.out.empty() && result.names.size() == 1) {
-    print_next(arguments.common,
-               fmt::format("palpate localize {} MORE_CONTACTS --prior {}/report.json",
-                           arguments.mesh, arguments.common.out));
-  }
+  print_next_of(arguments, command, result);
   return result.posterior.status == lo::PoseStatus::no_pose ? kNoSolution : kDone;
 }
 
@@ -242,7 +270,7 @@ void add_localize(CLI::App& program, Command& chosen) {
                    "many contacts determine their poses; on all processors, or --threads of them");
   command
       .add_option("mesh", arguments->mesh,
-                  "built-in object (mug, bottle, box, bracket, duck) or mesh file in metres; of "
+                  "built-in object (mug, bottle, box, bracket, duck) or mesh file; of "
                   "several, separated by commas, the most probable one is identified as well")
       ->option_text("MESH[,MESH..]");
   command
@@ -251,6 +279,7 @@ void add_localize(CLI::App& program, Command& chosen) {
           "CSV with x,y,z[,nx,ny,nz,point_sigma,normal_sigma,group,finger,t,fx,fy,fz] in metres, "
           "normals pointing out of the object; at least one contact of a group touches")
       ->option_text("CONTACTS");
+  add_units_option(command, arguments->units);
   command
       .add_option("--method", arguments->method,
                   "for one MESH: fast (falls back to full if several poses fit) or full")
@@ -294,10 +323,9 @@ void add_localize(CLI::App& program, Command& chosen) {
       "Statuses: certain (the probability of one pose is above 0.95), ambiguous (the modes list "
       "the\n"
       "possible poses), no_pose (no pose explains the contacts; exit code 4).\n"
-      "A mode's pose maps the mesh's own coordinates into the contacts' frame; its covariance is "
-      "of\n"
-      "[rotation; translation] in that frame, rad and m. A mode with a free axis stands for all\n"
-      "turns about that axis by up to its extent to either side.\n\n"
+      "A mode's pose maps the mesh's own coordinates, in metres, into the contacts' frame; its\n"
+      "covariance is of [rotation; translation] in that frame, rad and m. A mode with a free axis\n"
+      "stands for all turns about that axis by up to its extent to either side.\n\n"
       "Examples:\n"
       "  palpate localize mug contacts.csv\n"
       "  palpate localize mug,box,part.ply contacts.csv\n"
@@ -326,9 +354,11 @@ void add_localize(CLI::App& program, Command& chosen) {
       throw CLI::ValidationError("--method", "goes with one MESH; of several it is full");
     }
     if (!arguments->demo && arguments->contacts.empty()) {
-      throw CLI::RequiredError("MESH and CONTACTS, or --demo,");
+      if (!arguments->mesh.empty()) throw CLI::RequiredError("CONTACTS");
+      throw CLI::RequiredError("MESH and CONTACTS, or --demo, are required",
+                               CLI::ExitCodes::RequiredError);
     }
-    chosen = [arguments] { return localize(*arguments); };
+    chosen = [arguments, &command] { return localize(*arguments, command); };
   });
 }
 

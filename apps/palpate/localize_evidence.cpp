@@ -9,6 +9,8 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
+#include "palpate/core/statistics.hpp"
+#include "palpate/localization/contacts_io.hpp"
 #include "palpate/localization/pose_prior.hpp"
 #include "palpate/recording/json_text.hpp"
 
@@ -16,6 +18,18 @@ namespace palpate::app {
 namespace {
 
 namespace lo = localization;
+
+constexpr double kFar = 20;  // sizes of the object, from the contacts' median
+
+Eigen::Vector3d median_of(const std::vector<tactile::Contact>& contacts) {
+  Eigen::Vector3d result;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const auto& contact : contacts) values.push_back(contact.p[axis]);
+    result[axis] = median(values);
+  }
+  return result;
+}
 
 Eigen::Vector3d vector_of(const nlohmann::json& values) {
   const auto v = values.get<std::array<double, 3>>();
@@ -61,11 +75,15 @@ lo::TableSupport table_at(double height, const std::vector<tactile::Contact>& co
   return table;
 }
 
-lo::PosePrior read_prior(const std::filesystem::path& path,
+lo::PosePrior read_prior(const std::filesystem::path& path, const std::string& object,
                          const Eigen::Isometry3d& T_mesh_object) {
   try {
     lo::Posterior before;
     const auto report = recording::parse_json(read_file(path));
+    const auto of = report.value("object", object);
+    if (std::filesystem::path(of).filename() != std::filesystem::path(object).filename()) {
+      throw BadInput(fmt::format("the report is of the object '{}', not of '{}'", of, object));
+    }
     for (const auto& entry : report.at("modes")) {
       before.modes.push_back(mode_of(entry, T_mesh_object));
     }
@@ -76,6 +94,23 @@ lo::PosePrior read_prior(const std::filesystem::path& path,
   } catch (const BadInput& error) {
     throw BadInput(fmt::format("{}: {}", path.string(), error.what()));
   }
+}
+
+void check_together(const std::filesystem::path& path,
+                    const std::vector<tactile::Contact>& contacts, double size) {
+  if (contacts.empty()) return;
+  const Eigen::Vector3d middle = median_of(contacts);
+  std::vector<std::size_t> far;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    if ((contacts[k].p - middle).norm() > kFar * size) far.push_back(k);
+  }
+  if (far.empty() || 2 * far.size() >= contacts.size()) return;
+  const auto lines = lo::contact_lines(read_file(path), path.string());
+  const std::string more =
+      far.size() == 1 ? "" : fmt::format(", and {} more are as far", far.size() - 1);
+  throw BadInput(fmt::format("{}:{}: the contact is {:.3g} m from the others{}", path.string(),
+                             lines.at(far.front()), (contacts[far.front()].p - middle).norm(),
+                             more));
 }
 
 }  // namespace palpate::app

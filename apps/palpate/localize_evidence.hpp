@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "palpate/localization/evidence.hpp"
@@ -14,12 +15,19 @@ localization::TableSupport table_at(double height, const std::vector<tactile::Co
                                     const geometry::KnownObject& object);
 
 /// The modes of a report of `palpate localize --json`, as a prior in the same frame.
-/// @throws BadInput for a file that is no such report or has no modes
-localization::PosePrior read_prior(const std::filesystem::path& path,
+/// @param object  name or file of the object
+/// @throws BadInput for a file that is no such report, is of another object or has no modes
+localization::PosePrior read_prior(const std::filesystem::path& path, const std::string& object,
                                    const Eigen::Isometry3d& T_mesh_object);
 
 /// Covariance of [rotation; translation] of a pose whose origin is moved by `arm`, in the frame's
 /// axes, from that of the pose itself.
 Matrix6d covariance_at(const Eigen::Vector3d& arm, const Matrix6d& covariance);
+
+/// Refuses contacts of a file of which a few lie far from the others, by their lines.
+/// @param size  of the object, m
+/// @throws BadInput
+void check_together(const std::filesystem::path& path,
+                    const std::vector<tactile::Contact>& contacts, double size);
 
 }  // namespace palpate::app

@@ -2,22 +2,54 @@
 #include "object_option.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "palpate/core/error.hpp"
+#include "palpate/geometry/io/mesh_io.hpp"
 #include "usage.hpp"
 
 namespace palpate::app {
 namespace {
 
 constexpr std::size_t kMaxCandidates = 10;
-constexpr double kReach = 3;       // m of a rough place along x and y
-constexpr double kRoughest = 0.1;  // m
+constexpr double kMillimetre = 0.001;  // m
+constexpr double kReach = 3;           // m of a rough place along x and y
+constexpr double kRoughest = 0.1;      // m
+
+bool is_mesh_file(const std::string& name) {
+  const auto& built_in = geometry::built_in_objects();
+  std::error_code error;
+  return std::ranges::find(built_in, name) == built_in.end() &&
+         std::filesystem::is_regular_file(name, error);
+}
 
 }  // namespace
+
+void add_units_option(CLI::App& command, std::string& units) {
+  command.add_option("--units", units, "unit of length of the mesh files")
+      ->check(CLI::IsMember({"m", "mm"}))
+      ->capture_default_str();
+}
+
+geometry::KnownObject load_object(const std::string& name, const std::string& units) {
+  if (units == "m" || !is_mesh_file(name)) return geometry::load_known_object(name);
+  geometry::TriangleMesh mesh = geometry::load_mesh(name);
+  for (auto& vertex : mesh.vertices) vertex *= kMillimetre;
+  geometry::KnownObject object = geometry::make_known_object(name, mesh, 0);
+  object.name = std::filesystem::path(name).stem().string();
+  return object;
+}
+
+void require_mesh_file(const std::vector<std::string>& names, const std::string& units) {
+  if (units == "m" || std::ranges::any_of(names, is_mesh_file)) return;
+  throw BadInput(fmt::format("--units {} is of mesh files, and {} {}", units,
+                             fmt::join(names, ", "), names.size() == 1 ? "is none" : "are none"));
+}
 
 void add_object_options(CLI::App& command, ObjectArguments& arguments) {
   command
@@ -29,10 +61,11 @@ void add_object_options(CLI::App& command, ObjectArguments& arguments) {
                   "approximate position of the object on the table, m, to within +- R "
                   "(default: 0,0,0.04)")
       ->option_text("X,Y[,R]");
+  add_units_option(command, arguments.units);
 }
 
 geometry::KnownObject load_object(const std::string& name, const ObjectArguments& arguments) {
-  geometry::KnownObject object = geometry::load_known_object(name);
+  geometry::KnownObject object = load_object(name, arguments.units);
   if (!arguments.mass) return object;
   object.mass = *arguments.mass;
   object.mass_properties = geometry::mass_properties(object.mesh, object.mass);

@@ -16,7 +16,18 @@ namespace palpate::app {
 struct ObjectArguments {
   std::optional<double> mass;  ///< kg
   std::string at;              ///< X,Y[,R], m
+  std::string units = "m";     ///< of mesh files
 };
+
+/// --units m|mm, of the mesh files.
+void add_units_option(CLI::App& command, std::string& units);
+
+/// The object of that name, or of that mesh file in these units.
+/// @throws BadInput as geometry::load_known_object
+geometry::KnownObject load_object(const std::string& name, const std::string& units);
+
+/// @throws BadInput if these units are of mesh files, and none of the names is one
+void require_mesh_file(const std::vector<std::string>& names, const std::string& units);
 
 void add_object_options(CLI::App& command, ObjectArguments& arguments);
 

@@ -90,6 +90,7 @@ int pick(const PickArguments& arguments) {
     throw BadInput(fmt::format("--place {}: needs one object, {} are given", options.place.target,
                                arguments.objects.size()));
   }
+  require_mesh_file(arguments.objects, arguments.known.units);
   const std::string names = fmt::format("{}", fmt::join(arguments.objects, ","));
   std::optional<Notice> notice(std::in_place, "preparing " + names, common.quiet);
   const CandidateObjects objects = load_objects(arguments.objects, arguments.known);
@@ -170,9 +171,10 @@ void add_pick(CLI::App& program, Command& chosen) {
   auto& command = *program.add_subcommand(
       "pick", "Explore, grasp and lift an object, and estimate its pose in the hand by touch");
   command
-      .add_option("--object", arguments->objects,
-                  "mug, bottle, box, bracket, duck, generated:SEED, or a mesh file in metres; of "
-                  "several candidates, up to 10, the one present is identified as well")
+      .add_option(
+          "--object", arguments->objects,
+          "mug, bottle, box, bracket, duck, generated:SEED, or a mesh file (see --units); of "
+          "several candidates, up to 10, the one present is identified as well")
       ->delimiter(',')
       ->option_text("O[,O2..]")
       ->capture_default_str();

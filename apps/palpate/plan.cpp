@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
@@ -156,7 +157,21 @@ void check(const PlanArguments& arguments) {
   if (!arguments.pose.empty()) throw BadInput("--pose needs --object: whose pose is it?");
 }
 
-int plan(const PlanArguments& arguments) {
+/// Where the motion is seen.
+void print_next_of(const PlanArguments& arguments, const CLI::App& command) {
+  const std::string& out = arguments.common.out;
+  if (!out.empty()) {
+    print_next(arguments.common, fmt::format("open {}/path.svg in a browser", out));
+  } else if (arguments.execute) {
+    print_next(arguments.common,
+               given_command(command) + " --out out/plan writes the motion and draws it");
+  } else {
+    print_next(arguments.common,
+               given_command(command) + " --execute lets the simulated hand follow it");
+  }
+}
+
+int plan(const PlanArguments& arguments, const CLI::App& command) {
   check(arguments);
   auto settings = resolve<PlanSettings>(arguments.common);
   if (!arguments.planner.empty()) settings.plan.planner = arguments.planner;
@@ -176,10 +191,7 @@ int plan(const PlanArguments& arguments) {
   if (arguments.common.json) fmt::print("{}\n", plan_report(result, tracking).dump(2));
   if (result.status == pl::PlanStatus::invalid) throw BadInput(describe_invalid(result.invalid));
   if (!arguments.common.json) print_result(result, tracking);
-  if (ok && !arguments.common.out.empty()) {
-    print_next(arguments.common,
-               fmt::format("open {}/path.svg in a browser", arguments.common.out));
-  }
+  if (ok) print_next_of(arguments, command);
   return ok ? kDone : kNoSolution;
 }
 
@@ -229,7 +241,9 @@ void add_plan(CLI::App& program, Command& chosen) {
       "  palpate plan examples/waypoints.csv --object box --planner rrt-star --json\n"
       "  palpate plan reach.csv --object mug --pose pose.txt --held --out out/transport\n"
       "  palpate plan reach.csv --set limits.base_speed=0.1 --set collision.allowed_depth=0.002");
-  command.callback([arguments, &chosen] { chosen = [arguments] { return plan(*arguments); }; });
+  command.callback([arguments, &command, &chosen] {
+    chosen = [arguments, &command] { return plan(*arguments, command); };
+  });
 }
 
 }  // namespace palpate::app

@@ -22,7 +22,8 @@ int run_command(const CLI::App& program, const Command& chosen) {
   try {
     return chosen();
   } catch (const UnknownOption& error) {
-    const std::string own = "--" + error.key();
+    std::string own = "--" + error.key();
+    std::ranges::replace(own, '_', '-');
     const CLI::App* const command = innermost(&program);
     if (command->get_option_no_throw(own)) {
       throw BadInput(
@@ -35,8 +36,12 @@ int run_command(const CLI::App& program, const Command& chosen) {
   }
 }
 
+bool has_commands(const CLI::App& command) {
+  return !command.get_subcommands([](const CLI::App*) { return true; }).empty();
+}
+
 /// `help COMMAND` as `COMMAND --help`; without the option for a command that does not exist, which
-/// is then the error.
+/// is then the error. @throws CLI::ParseError for more than a command
 std::vector<std::string> help_arguments(const CLI::App& program,
                                         const std::vector<std::string>& given) {
   std::vector<std::string> arguments(given.begin() + 1, given.end());
@@ -44,6 +49,11 @@ std::vector<std::string> help_arguments(const CLI::App& program,
   for (const std::string& name : arguments) {
     const auto found =
         command->get_subcommands([&](const CLI::App* one) { return one->get_name() == name; });
+    if (found.empty() && command != &program && !has_commands(*command)) {
+      throw CLI::ParseError(
+          fmt::format("help takes one command, and '{} {}' is none", words_of(command), name),
+          CLI::ExitCodes::ExtrasError);
+    }
     if (found.empty()) return arguments;
     command = found.front();
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/geometry/cloud/outlier_filter.hpp"
 #include "palpate/geometry/io/point_cloud_io.hpp"
@@ -192,9 +193,17 @@ void write_results(const CommonOptions& common, const RegisterOptions& options,
 }
 
 /// Where the answer can be seen or checked.
-void print_next_of(const RegisterArguments& arguments, const Outcome& outcome) {
+void print_next_of(const RegisterArguments& arguments, const CLI::App& command,
+                   const Outcome& outcome) {
   const std::string& out = arguments.common.out;
-  if (out.empty() || !outcome.registration.result.T_target_source) return;
+  if (!outcome.registration.result.T_target_source) return;
+  if (out.empty()) {
+    print_next(arguments.common,
+               fmt::format("{} --out out/register writes {}", given_command(command),
+                           outcome.clouds ? arguments.source + " as it lies in the target"
+                                          : "which pairs are inliers"));
+    return;
+  }
   print_next(arguments.common,
              outcome.clouds
                  ? fmt::format("compare {}/source_in_target.ply with {} in a viewer of clouds", out,
@@ -202,7 +211,7 @@ void print_next_of(const RegisterArguments& arguments, const Outcome& outcome) {
                  : fmt::format("{}/correspondences.csv tells inliers from outliers", out));
 }
 
-int register_command(const RegisterArguments& arguments) {
+int register_command(const RegisterArguments& arguments, const CLI::App& command) {
   const auto options = options_of(arguments);
   Outcome outcome = find_pose(arguments, options);
   outcome.estimated_scale = outcome.registration.result.scale;
@@ -212,10 +221,9 @@ int register_command(const RegisterArguments& arguments) {
   if (arguments.common.json) {
     fmt::print("{}\n", outcome_report(outcome).dump(2));
   } else {
-    print_report(result);
+    print_report(result, outcome.hint);
     outcome.clouds ? print_features(outcome.registration) : print_bound(result);
-    if (!result.T_target_source && !outcome.hint.empty()) fmt::print("{}\n", outcome.hint);
-    print_next_of(arguments, outcome);
+    print_next_of(arguments, command, outcome);
   }
   return result.status == rg::RegistrationStatus::kFound ? kDone : kNoSolution;
 }
@@ -233,7 +241,8 @@ void add_inputs(CLI::App& command, RegisterArguments& arguments) {
   correspondences->excludes(source);
   command
       .add_option("--features", arguments.features,
-                  "descriptor by which points of clouds are matched")
+                  "descriptor by which points of clouds are matched, of which this is the only one "
+                  "yet")
       ->check(CLI::IsMember({"fpfh"}))
       ->excludes(correspondences)
       ->capture_default_str();
@@ -251,14 +260,18 @@ void add_problem(CLI::App& command, RegisterArguments& arguments) {
       ->option_text("POSE");
   auto* yaw = command.add_flag("--yaw-only", arguments.yaw_only,
                                "estimate rotation about z only; both frames have z along gravity");
+  auto* gravity =
+      command
+          .add_option("--gravity", arguments.gravity,
+                      "estimate rotation about this direction only, the same in both frames")
+          ->option_text("X Y Z")
+          ->expected(3)
+          ->excludes(yaw);
   command
-      .add_option("--gravity", arguments.gravity,
-                  "estimate rotation about this direction only, the same in both frames")
-      ->option_text("X Y Z")
-      ->expected(3)
-      ->excludes(yaw);
-  command.add_flag("--translation-only", arguments.translation_only,
-                   "estimate translation only; both frames have the same orientation");
+      .add_flag("--translation-only", arguments.translation_only,
+                "estimate translation only; both frames have the same orientation")
+      ->excludes(yaw)
+      ->excludes(gravity);
   auto* estimated =
       command.add_flag("--scale", arguments.scale, "estimate the scale of the source as well");
   command
@@ -282,7 +295,8 @@ void add_method(CLI::App& command, RegisterArguments& arguments) {
           "--noise-bound", arguments.noise_bound,
           "largest position error of an inlier, m: four standard deviations (0.004; clouds: "
           "1.5 times the distance between points)")
-      ->option_text("M");
+      ->option_text("M")
+      ->check(positive());
   command
       .add_option(
           "--normal-noise-deg", arguments.normal_noise_deg,
@@ -345,7 +359,7 @@ void add_register(CLI::App& program, Command& chosen) {
     if (!clouds && command.count("--threads") > 0) {
       throw CLI::ExcludesError("--correspondences", "--threads");
     }
-    chosen = [arguments] { return register_command(*arguments); };
+    chosen = [arguments, &command] { return register_command(*arguments, command); };
   });
 }
 

@@ -25,8 +25,15 @@ nlohmann::json rows_json(const Matrix6d& matrix) {
   return rows;
 }
 
+/// Without what is but rounding, which would show as 1.2e-17 or -0.000.
+Eigen::Vector3d rounded(const Eigen::Vector3d& v, double least) {
+  return v.unaryExpr([least](double x) { return std::abs(x) < least ? 0.0 : x; });
+}
+
 std::string motion_text(const Eigen::Isometry3d& T) {
-  const Eigen::Vector3d w = log_so3(T.linear()) * 180 / std::numbers::pi, t = T.translation();
+  constexpr double kLeastAngle = 5e-4, kLeastLength = 1e-9;  // deg, m
+  const Eigen::Vector3d w = rounded(log_so3(T.linear()) * 180 / std::numbers::pi, kLeastAngle);
+  const Eigen::Vector3d t = rounded(T.translation(), kLeastLength);
   return fmt::format(
       "rotation ({:.3f}, {:.3f}, {:.3f}) deg, translation ({:.6g}, {:.6g}, {:.6g}) m", w[0], w[1],
       w[2], t[0], t[1], t[2]);
@@ -36,6 +43,13 @@ nlohmann::json instance_json(const rg::RunnerUp& instance) {
   return {{"inliers", instance.inliers},
           {"T_target_source", to_json(instance.T_target_source)},
           {"false_alarms", instance.false_alarms}};
+}
+
+std::string number_of_false_alarms(double expected) {
+  constexpr double kLeast = 1e-300;  // smaller ones are not exact, or 0
+  if (!std::isfinite(expected)) return "any number of";
+  return expected < kLeast ? fmt::format("fewer than {:g}", kLeast)
+                           : fmt::format("{:.1g}", expected);
 }
 
 nlohmann::json vector_json(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
@@ -97,10 +111,12 @@ nlohmann::json report_of(const rg::RegistrationResult& result) {
           {"seconds", result.seconds}};
 }
 
-void print_report(const rg::RegistrationResult& result) {
-  fmt::print("{}: {} of {} correspondences are inliers, {:.2f} ms\n",
-             colored_status(rg::to_string(result.status)), result.inliers.size(),
-             result.weights.size(), 1e3 * result.seconds);
+void print_report(const rg::RegistrationResult& result, const std::string& hint) {
+  const std::string status = colored_status(rg::to_string(result.status));
+  const bool explained = !result.T_target_source && !hint.empty();
+  if (explained) fmt::print("{}: {}\n", status, hint);
+  fmt::print("{}{} of {} correspondences are inliers, {:.2f} ms\n", explained ? "" : status + ": ",
+             result.inliers.size(), result.weights.size(), 1e3 * result.seconds);
   for (const auto& motion : result.free_motions) fmt::print("free {}\n", motion_text(motion));
   if (result.mirrored) fmt::print("more correspondences agree with a mirror image\n");
   if (!result.T_target_source) return;
@@ -109,8 +125,7 @@ void print_report(const rg::RegistrationResult& result) {
   fmt::print("cost {:.3g} m^2, at most {:.1g} m^2 above the global optimum for these inliers\n",
              result.cost, result.bound);
   fmt::print("false alarms: {} such poses expected by chance\n",
-             std::isfinite(result.false_alarms) ? fmt::format("{:.1g}", result.false_alarms)
-                                                : "any number of");
+             number_of_false_alarms(result.false_alarms));
   for (const auto& instance : result.instances) {
     fmt::print("another instance: {} inliers, {}\n", instance.inliers,
                motion_text(instance.T_target_source));

@@ -10,7 +10,7 @@ namespace palpate::app {
 nlohmann::json report_of(const registration::RegistrationResult& result);
 
 /// What a person is told of it.
-void print_report(const registration::RegistrationResult& result);
+void print_report(const registration::RegistrationResult& result, const std::string& hint);
 
 /// Why pairs have no pose, and what may help; empty if they have one or the report says it.
 std::string reason_of(const registration::RegistrationResult& result,

@@ -38,9 +38,26 @@ double number_before_comma(const std::string& line) {
 
 }  // namespace
 
+namespace {
+
+/// As relocate::load_policy, which says what is wrong but not that a policy is wanted.
+std::unique_ptr<relocate::Policy> load_policy(const std::string& file) {
+  try {
+    return relocate::load_policy(file);
+  } catch (const BadInput& error) {
+    std::string what = error.what();
+    if (what.starts_with(file + ": ")) what.erase(0, file.size() + 2);
+    if (what.starts_with("not JSON"))
+      throw BadInput(file + " is not a policy file: it is not JSON");
+    throw BadInput(fmt::format("{} is not a policy file, or it is damaged: {}", file, what));
+  }
+}
+
+}  // namespace
+
 std::unique_ptr<relocate::Policy> find_policy(const std::string& name) {
   const std::string wanted = name.empty() ? std::string(kShipped.front()) : name;
-  if (std::filesystem::exists(wanted)) return relocate::load_policy(wanted);
+  if (std::filesystem::exists(wanted)) return load_policy(wanted);
   if (std::ranges::find(kShipped, wanted) == kShipped.end()) {
     throw BadInput(fmt::format(
         "'{}' is neither a policy file nor a shipped policy ({}){}", wanted,
@@ -53,7 +70,7 @@ std::unique_ptr<relocate::Policy> find_policy(const std::string& name) {
 void add_task_option(CLI::App& command) {
   const std::string version(relocate::kRelocateVersion);
   command.add_option("--task")
-      ->description("version of the task")
+      ->description("version of the task, of which this is the only one yet")
       ->check(CLI::IsMember({version}))
       ->default_str(version);
 }

@@ -28,6 +28,7 @@ struct ReplayArguments {
 struct Replayed {
   estimation::HeldPoseEstimate estimate;
   std::uint64_t messages = 0;
+  std::string hint;  ///< why there is no pose, where that is known
 };
 
 /// Options of the recording, changed by --config and --set.
@@ -53,16 +54,29 @@ nlohmann::json posterior_json(const localization::Posterior& posterior) {
   return {{"status", localization::to_string(posterior.status)}, {"modes", modes}};
 }
 
+/// Where a recording ends in which nothing was ever held.
+std::string end_of(const recording::Recording& recording) {
+  std::string phase, how = "unfinished";
+  for (const auto& event : recording.events) {
+    if (event.kind == recording::EventKind::note) continue;
+    phase = event.phase;
+    how = event.kind == recording::EventKind::end ? event.text : "unfinished";
+  }
+  if (phase.empty()) return "the recording has no phase; nothing was held";
+  return fmt::format("the recording ends in phase {} ({}); nothing was held", phase, how);
+}
+
 Replayed replay_recording(const ReplayArguments& arguments) {
   const auto recording = recording::read_recording(arguments.recording);
   const auto options = replay_options(recording, arguments.common, arguments.recording);
   const geometry::ObjectModel object(recording.header.object);
   auto log = recording::event_log(recording).until(estimation::TouchEvent::held);
   const auto hand = skills::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
+  const auto held = log.at(estimation::TouchEvent::held);
   return {
       estimation::PoseEstimator(object, options.pick_options().estimation, recording.header.seed)
-          .held(hand, log, log.at(estimation::TouchEvent::held)),
-      recording.frames.size()};
+          .held(hand, log, held),
+      recording.frames.size(), held ? "" : end_of(recording)};
 }
 
 Replayed replay_bag(const ReplayArguments& arguments) {
@@ -71,7 +85,7 @@ Replayed replay_bag(const ReplayArguments& arguments) {
     fmt::print("{} in the hand {}, {:.2f} s after the first of {} messages\n", answer.object,
                answer.hand, answer.at, answer.messages);
   }
-  return {std::move(answer.estimate), answer.messages};
+  return {std::move(answer.estimate), answer.messages, ""};
 }
 
 /// A recording names its object, hand and instant itself.
@@ -92,8 +106,13 @@ int replay(const ReplayArguments& arguments) {
   notice.reset();
   if (arguments.common.json) {
     auto report = posterior_json(posterior);
-    report.update({{"path", arguments.recording}, {"messages", replayed.messages}});
+    report.update({{"path", arguments.recording},
+                   {"messages", replayed.messages},
+                   {"hint", posterior.modes.empty() ? replayed.hint : ""}});
     fmt::print("{}\n", report.dump(2));
+  } else if (posterior.modes.empty() && !replayed.hint.empty()) {
+    fmt::print("{}: {}\n", colored_status(localization::to_string(posterior.status)),
+               replayed.hint);
   } else {
     fmt::print("{}, {} contacts, {:.2f} s\n",
                colored_status(localization::to_string(posterior.status)),

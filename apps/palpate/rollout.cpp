@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
@@ -167,7 +168,22 @@ std::vector<std::string> observes(const relocate::Policy& policy, bool by_touch)
   return names;
 }
 
-int rollout(const RolloutArguments& arguments) {
+/// Where the episodes are seen, or compared with others.
+void print_next_of(const RolloutArguments& arguments, const CLI::App& command) {
+  const CommonOptions& common = arguments.common;
+  if (arguments.record > 0) {
+    print_next(common, fmt::format("palpate view {}/episode-0.h5", common.out));
+  } else if (!common.out.empty()) {
+    print_next(common, fmt::format("palpate compare {}/episodes.csv relocate-best", common.out));
+  } else if (arguments.touch) {
+    print_next(common, given_command(command) + " --out out/rollout keeps the episodes' returns");
+  } else {
+    print_next(common, given_command(command) +
+                           " --record 1 --out out/rollout records an episode for palpate view");
+  }
+}
+
+int rollout(const RolloutArguments& arguments, const CLI::App& command) {
   const auto& common = arguments.common;
   if (arguments.record > 0 && common.out.empty()) {
     throw BadInput("--record needs --out DIR: where the recordings are to go");
@@ -200,11 +216,7 @@ int rollout(const RolloutArguments& arguments) {
   } else {
     print_table(summary, steps / seconds, observes(*policy, arguments.touch));
     if (arguments.touch) print_touch(by_touch);
-    if (arguments.record > 0) {
-      print_next(common, fmt::format("palpate view {}/episode-0.h5", common.out));
-    } else if (!common.out.empty()) {
-      print_next(common, fmt::format("palpate compare {}/episodes.csv relocate-best", common.out));
-    }
+    print_next_of(arguments, command);
   }
   return kDone;
 }
@@ -248,7 +260,9 @@ void add_rollout(CLI::App& program, Command& chosen) {
       "  palpate rollout --episodes 3 --record 3 --out out/rollout\n"
       "  palpate rollout relocate-near --touch --episodes 10\n"
       "  palpate rollout --set task.object=box --set task.friction_scale=0.7");
-  command.callback([arguments, &chosen] { chosen = [arguments] { return rollout(*arguments); }; });
+  command.callback([arguments, &command, &chosen] {
+    chosen = [arguments, &command] { return rollout(*arguments, command); };
+  });
 }
 
 }  // namespace palpate::app

@@ -192,6 +192,7 @@ CLI::App& add_job(CLI::App& ros2, Command& chosen, const std::shared_ptr<Ros2Arg
                   const std::string& name, const std::string& help, Job job) {
   auto& command = *ros2.add_subcommand(name, help);
   command.add_option("--object", arguments->object, "built-in object or mesh file in metres")
+      ->option_text("O")
       ->capture_default_str();
   add_hand_option(command, arguments->hand);
   command.add_option("--domain", arguments->domain, "DDS domain (default: ROS_DOMAIN_ID, or 0)")

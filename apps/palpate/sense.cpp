@@ -70,7 +70,7 @@ std::vector<SensedStream> streams_of(const SenseArguments& arguments, Format for
 int sense(const SenseArguments& arguments, const CLI::App& command) {
   const Format format = format_of(arguments.recording);
   refuse_what_has_no_effect(arguments, command, format);
-  report_streams(arguments, streams_of(arguments, format));
+  report_streams(arguments, command, streams_of(arguments, format));
   return kDone;
 }
 
@@ -112,7 +112,9 @@ void add_sense(CLI::App& program, Command& chosen) {
       "For a recording with BioTac channels the contacts inferred from these are reported, too.\n"
       "Errors in a recording are relative to the surface nearest to the assumed tip, which is\n"
       "uncertain itself at edges.\n"
-      "Unusable samples are flagged and counted, and get no normal. --out writes each\n"
+      "Unusable samples are flagged and counted, and get no normal; the column flags says why, as\n"
+      "in \"no_force 3\": three samples without force (docs/touch.md lists them). --out writes "
+      "each\n"
       "stream's series as CSV and its normals and forces as SVG figures, and the contacts of all\n"
       "streams as contacts.csv, which palpate localize reads.\n\n"
       "Examples:\n"

@@ -36,6 +36,7 @@ struct SensedStream {
 
 /// Prints the table or JSON object of the streams, and writes each stream's series and figures to
 /// --out, if given.
-void report_streams(const SenseArguments& arguments, const std::vector<SensedStream>& streams);
+void report_streams(const SenseArguments& arguments, const CLI::App& command,
+                    const std::vector<SensedStream>& streams);
 
 }  // namespace palpate::app

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "given_command.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
@@ -146,11 +147,12 @@ std::vector<std::string> write_stream(const std::filesystem::path& folder,
 
 }  // namespace
 
-void report_streams(const SenseArguments& arguments, const std::vector<SensedStream>& streams) {
+void report_streams(const SenseArguments& arguments, const CLI::App& command,
+                    const std::vector<SensedStream>& streams) {
   nlohmann::json report = {{"streams", nlohmann::json::object()}};
   std::string table =
       fmt::format("{:<16}{:>9}{:>9}{:>10}{:>10}{:>8}{:>8}  {}\n", "stream", "samples", "flagged",
-                  "force N", "error deg", "p90", "p95", "what is wrong with the flagged");
+                  "force N", "error deg", "p90", "p95", "flags");
   for (const SensedStream& stream : streams) {
     const StreamSummary summary = summarize(stream);
     report["streams"][stream.name] = stream_json(summary);
@@ -171,10 +173,11 @@ void report_streams(const SenseArguments& arguments, const std::vector<SensedStr
     fmt::print("{}\n", report.dump(2));
   } else {
     fmt::print("{}{}", table, wrote);
-    if (!wrote.empty()) {
-      print_next(arguments.common,
-                 fmt::format("palpate localize MESH {}/contacts.csv", arguments.common.out));
-    }
+    print_next(
+        arguments.common,
+        wrote.empty()
+            ? given_command(command) + " --out out/sense writes contacts.csv for palpate localize"
+            : fmt::format("palpate localize MESH {}/contacts.csv", arguments.common.out));
   }
 }
 

@@ -353,21 +353,23 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
   command
       .add_option(
           "--iterations", arguments->iterations,
-          fmt::format("iterations of cem, npg and dapg (default: {}); for dagger see dagger.rounds",
+          fmt::format("iterations of cem, npg, dapg (default: {}); dagger has dagger.rounds",
                       kIterations))
       ->check(in_range(1, 1000000));
-  command.add_option("--from", arguments->from, "policy to start from (cem, npg, dapg)");
-  command.add_option("--expert", arguments->expert,
-                     "policy that demonstrates the task (dagger, bc, dapg; default: "
-                     "the best shipped one)");
-  command.add_option("--demos", arguments->demos,
-                     "folder of demonstrations (bc, dapg), instead of an expert");
+  command.add_option("--from", arguments->from, "policy to start from (cem, npg, dapg)")
+      ->option_text("POLICY");
   command
-      .add_option(
-          "--demonstrations", arguments->demonstrations,
-          fmt::format("episodes by the expert (bc, dapg; default: {}), of which the successful "
-                      "ones are kept",
-                      kDemonstrations))
+      .add_option("--expert", arguments->expert,
+                  "policy that demonstrates the task (dagger, bc, dapg; default: relocate-best)")
+      ->option_text("POLICY");
+  command
+      .add_option("--demos", arguments->demos,
+                  "folder of demonstrations (bc, dapg), instead of an expert")
+      ->option_text("DIR");
+  command
+      .add_option("--demonstrations", arguments->demonstrations,
+                  fmt::format("episodes by the expert (bc, dapg; default: {}); successes are kept",
+                              kDemonstrations))
       ->check(in_range(1, 100000));
   command.add_flag("--ask", arguments->ask,
                    "for many machines (cem): write DIR/ask.jsonl, the rollouts of a generation");
@@ -375,9 +377,8 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
       .add_option("--score", arguments->score,
                   "run share I of N of the rollouts in ask.jsonl, to DIR/scores-I-of-N.jsonl")
       ->option_text("I/N");
-  command.add_flag(
-      "--tell", arguments->tell,
-      "read the results and write the next ask.jsonl; at the end, evaluate the policy");
+  command.add_flag("--tell", arguments->tell,
+                   "read the results, write the next ask.jsonl; at last, evaluate the policy");
   command.add_option("--episodes", arguments->episodes, "episodes of the final evaluation")
       ->check(in_range(2, 1000000))
       ->capture_default_str();
@@ -386,8 +387,7 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
   command.footer(
       "DIR has a checkpoint of every iteration, the current policy, and learning curves. The same\n"
       "command continues an interrupted run. The result is evaluated on the faithful model.\n"
-      "Many machines may run the rollouts of cem: --ask once, then --score I/N on each and "
-      "--tell,\n"
+      "Machines may share the rollouts of cem: --ask once, then --score I/N on each and --tell,\n"
       "until no ask.jsonl is left (examples/cluster/cem.sh); the result is that of one machine.\n\n"
       "Examples:\n"
       "  palpate train relocate --out out/cem --iterations 40 --threads 2\n"

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <regex>
 #include <sstream>
 
@@ -135,14 +136,16 @@ std::string named_choices(const std::string& text) {
                      fmt::join(names, ", "), did_you_mean(match[2].str(), names));
 }
 
-/// "RECORDING: At Most 2 required but received 3" or "--out: 1 required TEXT missing" as a
+/// "RECORDING: At Most 2 required but received 3" or "--seed: 1 required N:at least 0 missing" as a
 /// sentence.
 std::string counted(const std::string& text) {
-  static const std::regex kMissing(R"((.*): 1 required \w+ missing)");
+  static const std::regex kMissing(R"((.*?): 1 required .* missing)");
+  static const std::regex kTooFew(R"((.*): At least (\d+) required but received (\d+))");
   static const std::regex kPattern(R"((.*): At Most (\d+) required but received (\d+))");
-  return std::regex_replace(
-      std::regex_replace(text, kPattern, "$1: at most $2 are possible, $3 are given"), kMissing,
-      "$1 needs a value");
+  std::string result =
+      std::regex_replace(text, kPattern, "$1: at most $2 are possible, $3 are given");
+  result = std::regex_replace(result, kMissing, "$1 needs a value");
+  return std::regex_replace(result, kTooFew, "$1 needs $2 values, and has $3");
 }
 
 std::string without_dashes(const std::string& option) {
@@ -161,17 +164,23 @@ std::string likely_option(const CLI::App* command, const std::string& argument) 
 /// What is wrong with the first argument that a command does not know.
 std::string unexpected(const CLI::App* command, const std::string& argument) {
   const std::string name = command_path(command);
-  if (command->get_subcommands([](const CLI::App*) { return true; }).empty()) {
-    if (argument.starts_with("-")) {
-      return fmt::format("{} has no option {}{}", name, argument, likely_option(command, argument));
-    }
+  if (argument.starts_with("-")) {
+    const std::string which =
+        command->get_parent() ? name + " has no option " : std::string("there is no option ");
+    return which + argument + likely_option(command, argument);
+  }
+  if (command_names(command).empty()) {
     const bool has_object = command->get_option_no_throw("--object") != nullptr;
     return fmt::format("{} takes no argument '{}'{}", name, argument,
                        has_object ? fmt::format("; did you mean --object {}?", argument) : "");
   }
   const std::string whole = name + " " + argument;
+  const std::string likely = did_you_mean(argument, command_names(command));
   return fmt::format("there is no command '{}'{}", whole.substr(kProgramName.size() + 1),
-                     did_you_mean(argument, command_names(command)));
+                     likely.empty() ? fmt::format("; the commands{} are {}",
+                                                  command->get_parent() ? " of " + name : "",
+                                                  fmt::join(command_names(command), ", "))
+                                    : likely);
 }
 
 }  // namespace
@@ -229,6 +238,18 @@ CLI::Validator at_least(std::int64_t min) {
                                "a whole number");
           },
           fmt::format("at least {}", min)};
+}
+
+CLI::Validator positive() {
+  return {[](const std::string& text) -> std::string {
+            double value = 0;
+            const char* const end = text.data() + text.size();
+            const auto [rest, error] = std::from_chars(text.data(), end, value);
+            const bool is_number = error == std::errc() && rest == end && std::isfinite(value);
+            if (is_number && value > 0) return "";
+            return fmt::format("'{}' is not a positive number", text);
+          },
+          "above 0"};
 }
 
 const CLI::App* innermost(const CLI::App* program) {

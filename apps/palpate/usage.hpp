@@ -27,6 +27,9 @@ CLI::Validator in_range(int min, int max);
 /// Whole numbers from a least one on.
 CLI::Validator at_least(std::int64_t min);
 
+/// Any number above 0 that is finite.
+CLI::Validator positive();
+
 /// One line on stderr for a command line that cannot be read.
 std::string usage_error(const CLI::App* program, const CLI::Error& error);
 

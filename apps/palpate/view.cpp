@@ -70,7 +70,6 @@ int view_live(const ViewArguments& arguments) {
 
 int view(const ViewArguments& arguments) {
   if (arguments.live) return view_live(arguments);
-  if (arguments.recordings.empty()) throw BadInput("no recording to show, and no --live");
   std::optional<Notice> notice(std::in_place, "making the page", arguments.common.quiet);
   const std::string page = page_of(arguments.recordings);
   notice.reset();
@@ -132,6 +131,9 @@ void add_view(CLI::App& program, Command& chosen) {
       if (command.count("--out") > 0 && command.count(served) > 0) {
         throw CLI::ExcludesError("--out", served);
       }
+    }
+    if (arguments->recordings.empty() && !arguments->live) {
+      throw CLI::RequiredError("RECORDING or --live");
     }
     chosen = [arguments] { return view(*arguments); };
   });

@@ -2,8 +2,10 @@
 #include "core/csv_table.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -14,6 +16,12 @@ namespace palpate {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::size_t kShown = 60;  // characters of a header in a message
+
+bool equal_but_for_case(std::string_view a, std::string_view b) {
+  return std::ranges::equal(
+      a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+}
 
 }  // namespace
 
@@ -24,6 +32,27 @@ CsvTable::CsvTable(std::string_view text, std::string source)
   names_ = cells_;
 }
 
+/// Says how a header without columns x,y,z differs from one that has them.
+void CsvTable::refuse_header(const std::string& wanted) const {
+  const auto is_number = [](std::string_view cell) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    return error == std::errc() && end == cell.data() + cell.size();
+  };
+  const std::string header(header_.substr(0, kShown));
+  if (names_.size() == 1 || is_number(names_.front())) {
+    throw BadInput(fmt::format("{}:1: expected a comma-separated header with {}; found '{}'",
+                               source_, wanted, header));
+  }
+  const auto columns = csv_cells(wanted);
+  const bool capitals = std::ranges::all_of(columns, [this](std::string_view column) {
+    return std::ranges::any_of(names_, [&](auto name) { return equal_but_for_case(name, column); });
+  });
+  throw BadInput(fmt::format("{}:1: no columns {} in the header{}", source_,
+                             fmt::join(columns, ", "),
+                             capitals ? fmt::format(" {}; did you mean {}?", header, wanted) : ""));
+}
+
 bool CsvTable::take_line() {
   while (!text_.empty()) {
     const auto end = std::min(text_.find('\n'), text_.size());
@@ -31,6 +60,7 @@ bool CsvTable::take_line() {
     text_.remove_prefix(std::min(end + 1, text_.size()));
     ++line_;
     if (line.empty()) continue;
+    if (header_.empty()) header_ = line;
     cells_ = csv_cells(line);
     return true;
   }
@@ -63,7 +93,7 @@ std::optional<CsvTable::Columns> CsvTable::find_xyz(std::string_view prefix) con
 
 CsvTable::Columns CsvTable::require_xyz(std::string_view prefix) const {
   if (const auto columns = find_xyz(prefix)) return *columns;
-  throw BadInput(fmt::format("{0}:1: no columns {1}x, {1}y, {1}z in the header", source_, prefix));
+  refuse_header(fmt::format("{0}x,{0}y,{0}z", prefix));
 }
 
 bool CsvTable::next() {

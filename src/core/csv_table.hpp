@@ -27,11 +27,14 @@ class CsvTable {
   [[nodiscard]] std::size_t require(std::string_view name) const;
   /// The columns PREFIXx, PREFIXy and PREFIXz.
   [[nodiscard]] std::optional<Columns> find_xyz(std::string_view prefix) const;
-  /// @throws BadInput unless all three are there
+  /// @throws BadInput unless all three are there; it says so if the header looks like none, or like
+  ///         one with other separators or in capitals
   [[nodiscard]] Columns require_xyz(std::string_view prefix) const;
 
   /// Goes to the next row that is not blank. @throws BadInput for one with too few or many cells
   bool next();
+  /// Line of the row in the text, from 1 on.
+  [[nodiscard]] std::size_t line() const { return line_; }
   /// "SOURCE:LINE" of the row.
   [[nodiscard]] std::string where() const;
   [[nodiscard]] std::string_view cell(std::size_t column) const { return cells_[column]; }
@@ -43,10 +46,12 @@ class CsvTable {
 
  private:
   bool take_line();
+  [[noreturn]] void refuse_header(const std::string& wanted) const;
 
   std::string_view text_;
   std::string source_;
   std::size_t line_ = 0;
+  std::string_view header_;
   std::vector<std::string_view> names_, cells_;
 };
 

@@ -71,16 +71,29 @@ class Assigner {
 
 std::string_view last_part(std::string_view key) { return key.substr(key.rfind('.') + 1); }
 
-/// Users also write only the section or only what stands in it, "height" for "lift.height", or an
-/// option in a section where it does not stand, "grasp.friction" for "friction".
+/// The key from the last dots on, of which there are at most so many: "b.c" of "a.b.c" with one.
+std::string_view last_parts(std::string_view key, std::ptrdiff_t dots) {
+  std::size_t from = key.size();
+  for (std::ptrdiff_t n = 0; n <= dots; ++n) {
+    const auto dot = from == 0 ? key.npos : key.rfind('.', from - 1);
+    if (dot == key.npos) return key;
+    from = dot;
+  }
+  return key.substr(from + 1);
+}
+
+/// Users also write only the section or only what stands in it, "height" for "lift.height", or add
+/// or omit the sections above, "grasp.friction" for "friction".
 double key_distance(std::string_view key, std::string_view known) {
   constexpr double kOtherSection = 0.1;  // so that one of the section that was given comes first
-  constexpr double kAlike = 0.7;         // of last parts; two letters exchanged in "way" make 0.67
   const double whole = spelling_distance(key, known);
   if (key.find('.') != std::string_view::npos) {
     const double last = spelling_distance(last_part(key), last_part(known));
     // The section alone makes no likeness: world.object_scale is not world.biotacs.
-    return last > kAlike ? 1 : std::min(whole, kOtherSection + last);
+    if (last > kLikelyMeant) return 1;
+    const auto dots = std::min(std::ranges::count(key, '.'), std::ranges::count(known, '.'));
+    return std::min(
+        whole, kOtherSection + spelling_distance(last_parts(key, dots), last_parts(known, dots)));
   }
   return std::min({whole, spelling_distance(key, known.substr(0, known.rfind('.'))),
                    spelling_distance(key, last_part(known))});

@@ -27,8 +27,10 @@ const Eigen::Matrix3d& rigid(const Eigen::Matrix3d& R, std::string_view what) {
   constexpr double kRounding = 1e-6;
   const double off = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (off <= kRounding && R.determinant() > 0) return R;
-  throw BadInput(fmt::format("{} is no rotation: off by {:.3g}, determinant {:.3g}", what, off,
-                             R.determinant()));
+  throw BadInput(
+      fmt::format("{} is no rotation R: R R' differs from the identity by {:.3g}, and the "
+                  "determinant is {:.3g}",
+                  what, off, R.determinant()));
 }
 
 }  // namespace palpate

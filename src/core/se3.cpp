@@ -102,8 +102,8 @@ Eigen::Isometry3d pose_from_row_major(const std::array<double, 16>& values) {
   const double off = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (off > 1e-6 || R.determinant() < 0) {
     throw BadInput(
-        fmt::format("a pose is not a rigid motion: its rotation matrix is off by {:.3g}, its "
-                    "determinant {:.3g}",
+        fmt::format("a pose is not a rigid motion: R R' of its rotation matrix R differs from the "
+                    "identity by {:.3g}, and the determinant of R is {:.3g}",
                     off, R.determinant()));
   }
   if (M.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {

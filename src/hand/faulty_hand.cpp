@@ -7,9 +7,12 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/spelling.hpp"
 #include "palpate/hand/tip_forces.hpp"
 
 namespace palpate::hand {
@@ -42,8 +45,11 @@ std::string_view to_string(InjectedFault fault) {
 InjectedFault injected_fault(std::string_view name) {
   const auto found = std::find(kInjectedFaultNames.begin(), kInjectedFaultNames.end(), name);
   if (found == kInjectedFaultNames.end()) {
-    throw BadInput(fmt::format("there is no fault {:?}; the faults are: {}", name,
-                               fmt::join(kInjectedFaultNames, ", ")));
+    const std::vector<std::string> names(kInjectedFaultNames.begin(), kInjectedFaultNames.end());
+    const std::string likely = did_you_mean(name, names);
+    throw BadInput(fmt::format(
+        "there is no fault '{}'{}", name,
+        likely.empty() ? fmt::format("; the faults are {}", fmt::join(names, ", ")) : likely));
   }
   return static_cast<InjectedFault>(found - kInjectedFaultNames.begin());
 }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/csv_table.hpp"
@@ -128,18 +129,37 @@ tactile::Contact contact_of(const CsvTable& row, const ContactColumns& columns,
   return contact;
 }
 
+struct ContactRow {
+  tactile::Contact contact;
+  std::size_t line;
+};
+
+/// In the order of time.
+std::vector<ContactRow> parse_rows(std::string_view text, std::string_view source,
+                                   const ContactNoise& noise) {
+  CsvTable table(text, std::string(source));
+  const ContactColumns columns(table);
+  check_columns(table, source, kContactColumns);
+  std::vector<ContactRow> rows;
+  while (table.next()) rows.push_back({contact_of(table, columns, noise), table.line()});
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const auto& a, const auto& b) { return a.contact.time < b.contact.time; });
+  return rows;
+}
+
 }  // namespace
 
 std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_view source,
                                              const ContactNoise& noise) {
-  CsvTable table(text, std::string(source));
-  const ContactColumns columns(table);
-  check_columns(table, source, kContactColumns);
   std::vector<tactile::Contact> contacts;
-  while (table.next()) contacts.push_back(contact_of(table, columns, noise));
-  std::stable_sort(contacts.begin(), contacts.end(),
-                   [](const auto& a, const auto& b) { return a.time < b.time; });
+  for (auto& row : parse_rows(text, source, noise)) contacts.push_back(std::move(row.contact));
   return contacts;
+}
+
+std::vector<std::size_t> contact_lines(std::string_view text, std::string_view source) {
+  std::vector<std::size_t> lines;
+  for (const auto& row : parse_rows(text, source, {})) lines.push_back(row.line);
+  return lines;
 }
 
 std::vector<tactile::Contact> read_contacts(const std::filesystem::path& path,

@@ -100,9 +100,12 @@ class Localize(CliTest):
             self.assertEqual(result["status"], "ambiguous")
             self.assertLessEqual(len(result["modes"]), 16)
 
-    def test_no_contacts_leave_no_pose(self):
-        result = self.localize([], code=NO_SOLUTION)
-        self.assertEqual((result["status"], result["modes"]), ("no_pose", []))
+    def test_no_contacts_are_refused_before_the_mesh_is_prepared(self):
+        self.write("contacts.csv", HEADER + "\n")
+        for mesh in ("box.stl", "nosuch"):
+            self.assert_refused(BAD_INPUT, ["localize", mesh, "contacts.csv"], "contacts.csv has no contacts")
+        result = self.localize([], "--table", "0")  # the stable poses
+        self.assertEqual(result["status"], "ambiguous")
 
     def test_contacts_of_another_object(self):
         """A ball of 30 mm, twice as wide as the box is thick."""
@@ -147,6 +150,51 @@ class Localize(CliTest):
         self.refuse("x,y,z,point_sigm\n0,0,0,1\n", "'point_sigm'", "known: x, y, z", "'point_sigma'?")
         self.refuse(csv([[0, 0, 0, 0, 0]]), "contacts.csv:2", "5 values for 6 columns")
         self.refuse(csv([[0, 0, 0, 0, "?", 1]]), "'?'")
+
+    def test_headers_that_are_none_are_named(self):
+        for header in ("x;y;z", "x\ty\tz", "0.1,0.2,0.3"):
+            self.refuse(f"{header}\n1,2,3\n",
+                        f"expected a comma-separated header with x,y,z; found '{header}'")
+        self.refuse("X,Y,Z\n1,2,3\n", "did you mean x,y,z?")
+
+    def test_a_contact_far_from_the_others_is_named_by_its_line(self):
+        rows = contacts_on_box(8)
+        rows[3][0] += 12.5
+        self.refuse(csv(rows), "contacts.csv:5: the contact is 12.4 m from the others")
+        rows[6][1] -= 20
+        self.refuse(csv(rows), "contacts.csv:5: ", ", and 1 more are as far")
+
+    def test_a_mesh_in_millimetres(self):
+        self.write("mm.stl", box_stl(*(1000 * size for size in SIZE)))
+        self.write("contacts.csv", csv(contacts_on_box(18)))
+        self.assert_refused(BAD_INPUT, ["localize", "mm.stl", "contacts.csv"], "--units mm")
+        self.assert_refused(BAD_INPUT, ["localize", "box", "contacts.csv", "--units", "mm"],
+                            "--units mm is of mesh files, and box is none")  # fmt: skip
+        self.assert_refused(USAGE, ["localize", "mm.stl", "contacts.csv", "--units", "cm"], "'cm'")
+        report = self.run_json("localize", "mm.stl", "contacts.csv", "--units", "mm", *QUICK)
+        plain = self.localize(contacts_on_box(18))
+        self.assertEqual(report["status"], "certain")
+        for value, true in zip(middle(report["modes"][0]["T_contact_object"]),
+                               middle(plain["modes"][0]["T_contact_object"])):  # fmt: skip
+            self.assertAlmostEqual(value, true, delta=0.001)
+
+    def test_the_prior_of_another_object_is_refused(self):
+        report = self.localize(contacts_on_box(18))
+        self.write("box.json", json.dumps(report))
+        self.write("other.json", json.dumps(report | {"object": "bracket"}))
+        command = ["localize", "./box.stl", "contacts.csv", *QUICK, "--quiet", "--prior"]
+        self.assertEqual(self.run_program(*command, "box.json").returncode, DONE)
+        self.assert_refused(BAD_INPUT, [*command, "other.json"], "other.json: ", "'bracket'", "'./box.stl'")
+
+    def test_the_next_command_keeps_the_poses(self):
+        self.write("contacts.csv", csv(contacts_on_box(18)))
+        command = ["localize", "box.stl", "contacts.csv", *QUICK, "--table", str(SHIFT[2])]
+        lines = self.run_program(*command).stdout.splitlines()
+        self.assertTrue(lines[-1].startswith("Next: palpate localize box.stl contacts.csv --table 0.5 "), lines[-1])
+        self.assertIn(" ".join(QUICK), lines[-1])
+        self.assertIn(" --out out/localize-box keeps", lines[-1])
+        for option in ("--quiet", "--json"):
+            self.assertNotIn("Next:", self.run_program(*command, option).stdout)
 
     def test_points_without_normals(self):
         rows = [row[:3] for row in contacts_on_box(40)]
@@ -261,6 +309,10 @@ class Localize(CliTest):
         for option in (["--set", "x.y=1"], ["--config", "x"], ["--method", "full"], ["--table", "0"]):
             self.assert_refused(USAGE, ["localize", "--demo", *option], option[0])
         self.assert_refused(BAD_INPUT, ["localize", "mug,mug", "contacts.csv"], "mug is given twice")
+        self.assert_refused(USAGE, ["localize"], "MESH and CONTACTS, or --demo, are required")
+        self.assert_refused(USAGE, ["localize", "bracket"], "palpate: CONTACTS is required;")
+        self.assert_refused(BAD_INPUT, ["localize", "box.stl", "contacts.csv", "--set", "point_noise=0.002"],
+                            "--point-noise sets it")  # fmt: skip
         self.assert_refused(USAGE, ["localize", "box.stl", "x.csv", "--threads", "2"], "--demo")
 
 

@@ -29,6 +29,11 @@ class Fault(CliTest):
         self.assertIsNone(report["estimate"])
         self.assertLess(report["peak_load"], 60)
         self.assertTrue((self.folder / "run" / "recording.h5").exists())
+        replayed = self.run_program("replay", "run")
+        self.assertEqual(replayed.returncode, NO_SOLUTION)
+        self.assertRegex(replayed.stdout, r"^no_pose: the recording ends in phase \w+ \(.+\); nothing was held\n$")
+        hint = json.loads(self.run_program("replay", "run", "--json").stdout)["hint"]
+        self.assertIn(f"ends in phase {report['phases'][-1]['name']} (", hint)
 
 
 class BadInput(CliTest):

@@ -44,6 +44,12 @@ class Plan(CliTest):
         self.assertTrue((self.folder / "out" / "path.svg").read_text().startswith("<svg"))
         self.assertEqual(json.loads((self.folder / "out" / "report.json").read_text()), report)
 
+    def test_the_next_command_is_named(self):
+        file = self.waypoints({}, {"FFJ3": 0.8, "FFJ2": 0.5}, {})
+        for options, more in (([], "--execute lets"), (["--execute"], "--out out/plan writes")):
+            line = self.run_program("plan", file, *options).stdout.splitlines()[-1]
+            self.assertTrue(line.startswith(" ".join(["Next: palpate plan", file, *options, more])), line)
+
     def test_goes_around_the_box(self):
         self.write("box.stl", box_stl(0.2, 0.04, 0.16))
         file = self.reach((0.1, -0.25, 0.12), (0.1, 0.3, 0.12))

@@ -43,6 +43,17 @@ class Usage(CliTest):
         self.assert_refused(BAD_INPUT, ["pick", "--hand", "shadw"], "did you mean 'shadow'?")
         self.assert_refused(BAD_INPUT, ["pick", "--arm", "ur1"], "did you mean 'ur10'?")
         self.assert_refused(BAD_INPUT, ["pick", "--set", "stance=1"], "stable_pose?")
+        self.assert_refused(USAGE, ["--verison"], "palpate: there is no option --verison; did you mean '--version'?")
+        self.assert_refused(BAD_INPUT, ["hand", "install", "shadw"], "did you mean 'shadow'?")
+        self.assert_refused(BAD_INPUT, ["hand", "install", "shadow"], "need not be installed")
+        faults = ["eval", "--trials", "1", "--faults"]
+        self.assert_refused(BAD_INPUT, [*faults, "load_nna"], "no fault 'load_nna'; did you mean 'load_nan'?")
+        self.assert_refused(BAD_INPUT, [*faults, "no_such"], "no fault 'no_such'; the faults are none, load_nan")
+
+    def test_nothing_is_suggested_that_resembles_too_little(self):
+        for key in ("nonsense", "x.y", "start.yaw"):
+            self.assert_refused(BAD_INPUT, ["pick", "--set", f"{key}=1"],
+                                f"unknown option {key}; palpate options pick lists the options")  # fmt: skip
 
     def test_nothing_is_suggested_that_resembles_by_its_dashes_alone(self):
         self.assert_refused(USAGE, ["render", "x.h5", "--phase", "lift"], "no option --phase; see")
@@ -52,12 +63,20 @@ class Usage(CliTest):
         self.assertEqual(self.run_program("help", "hand", "check").stdout,
                          self.run_program("hand", "check", "--help").stdout)  # fmt: skip
         self.assert_refused(USAGE, ["help", "pik"], "there is no command 'pik'", "'pick'?")
+        self.assert_refused(USAGE, ["help", "nope"], "'nope'; the commands are pick, eval, merge")
+        self.assert_refused(USAGE, ["train", "nope"], "the commands of palpate train are")
+        self.assert_refused(USAGE, ["help", "pick", "extra"], "help takes one command, and 'pick extra' is none;")
 
     def test_what_is_missing_is_named(self):
-        self.assert_refused(USAGE, ["pick", "--config"], "--config needs a value")
+        for option in ("--config", "--seed", "--mass", "--object", "--explore"):
+            self.assert_refused(USAGE, ["pick", option], f"palpate: {option} needs a value;")
+        self.assert_refused(USAGE, ["register", "a", "b", "--gravity", "1"], "--gravity needs 3 values, and has 1")
+        self.assert_refused(USAGE, ["view"], "RECORDING or --live is required")
         self.assert_refused(BAD_INPUT, ["pick", "--set", "=3"], "'=3' has no key", "KEY=VALUE")
         self.assert_refused(USAGE, ["view", "a", "b", "c"], "at most 2 are possible, 3 are given")
         self.assert_refused(BAD_INPUT, ["sense", "none.csv"], "none.csv does not exist")
+        self.assert_refused(BAD_INPUT, ["export", "mcap", "x.h5", "--out", "no/such/a.mcap"],
+                            "there is no folder no/such for a.mcap")  # fmt: skip
 
     def test_files_that_are_no_text_are_refused_as_options(self):
         """The error comes out of a shared library that was linked beside another C++ runtime."""
@@ -85,6 +104,12 @@ class Usage(CliTest):
         text = self.run_program("eval", "--help").stdout
         self.assertIn("--trials N ", text)
         self.assertIn("(default: 30; 1 to 1000000)", text)
+
+    def test_values_in_help_say_what_they_are(self):
+        for command in (*((name,) for name in self.commands()), ("bench", "contact"), ("ros2", "pick"), ("ros2", "robot"),
+                        ("ros2", "estimate"), ("train", "relocate"), ("train", "biotac-normal"), ("demos", "make"),
+                        ("demos", "retarget"), ("hand", "check"), ("hand", "render")):  # fmt: skip
+            self.assertNotRegex(self.run_program(*command, "--help").stdout, r"--[\w-]+ TEXT\b", command)
 
     def test_version(self):
         done = self.run_program("--version")
@@ -236,6 +261,7 @@ class Doctor(CliTest):
     def test_an_object_that_is_not_installed_is_named_with_what_to_do(self):
         os.environ["PALPATE_ASSETS"] = str(self.folder)
         self.addCleanup(os.environ.pop, "PALPATE_ASSETS")
+        self.write("contacts.csv", "x,y,z\n0,0,0\n")
         self.assert_refused(BAD_INPUT, ["localize", "bunny", "contacts.csv"], "./dev bunny installs it")
 
 

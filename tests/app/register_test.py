@@ -97,6 +97,30 @@ class Register(CliTest):
         )
         self.assertEqual(wrong.returncode, NO_SOLUTION)
 
+    def test_why_a_pose_is_not_certified(self):
+        command = ["certify", IDENTITY, "--correspondences", self.pairs(wrong=0)]
+        done = self.run_program(*command, "--noise-bound", "0.004")
+        self.assertEqual(done.returncode, NO_SOLUTION)
+        self.assertIn("of 0 correspondences\n", done.stdout)
+        self.assertIn("no pair is within 0.004 m of this pose; nothing to certify\n", done.stdout)
+        done = self.run_program(*command)
+        self.assertIn("all 60 pairs count; if there are outliers among them, use --noise-bound\n", done.stdout)
+        self.assertIn("above the global optimum", done.stdout)
+        self.assertIn("\nNext: palpate register --correspondences pairs.csv ", done.stdout)
+        self.assertNotIn("Next:", self.run_program(*command, "--quiet").stdout)
+
+    def test_what_a_person_reads_of_a_pose(self):
+        """Of a cloud on itself: no rounding errors, no 0 expected; of one in mm: the hint first."""
+        clouds = [self.write("a.xyz", xyz(lump(2))), self.write("b.xyz", xyz(lump(2)))]
+        text = self.run_program("register", *clouds, "--yaw-only").stdout
+        self.assertIn("rotation (0.000, 0.000, 0.000) deg, translation (0, 0, 0) m", text)
+        self.assertNotIn(" 0 such poses", text)
+        self.assertIn("\nNext: palpate register a.xyz b.xyz --yaw-only --out out/register writes", text)
+        self.write("mm.xyz", xyz([[1000 * c for c in p] for p in lump(2)]))
+        lines = self.run_program("register", "a.xyz", "mm.xyz").stdout.splitlines()
+        self.assertIn("is one of them in millimetres?", lines[0])
+        self.assertIn("correspondences are inliers", lines[1])
+
     def test_clouds_of_all_formats(self):
         target = self.write("target.xyz", xyz([moved(p) for p in lump(1)]))
         for name, text in (("s.xyz", xyz(lump(2))), ("s.pcd", pcd(lump(2))), ("s.ply", ply(lump(2)))):
@@ -298,6 +322,18 @@ class Register(CliTest):
                             "'nowhere.txt' is neither a file nor")  # fmt: skip
         self.assert_refused(USAGE, ["certify", IDENTITY], "--correspondences", "palpate certify --help")
 
+    def test_wrong_values_are_named(self):
+        pairs = ["register", "--correspondences", self.pairs()]
+        for value in ("nan", "inf", "0", "-1", "4mm"):
+            self.assert_refused(USAGE, [*pairs, "--noise-bound", value],
+                                f"--noise-bound: '{value}' is not a positive number")  # fmt: skip
+        self.assert_refused(USAGE, [*pairs, "--yaw-only", "--translation-only"], "--yaw-only", "--translation-only")
+        self.assert_refused(USAGE, [*pairs, "--gravity", "0", "0", "1", "--translation-only"],
+                            "--gravity", "--translation-only")  # fmt: skip
+        twice = "2,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1"
+        self.assert_refused(BAD_INPUT, ["certify", twice, "--correspondences", "pairs.csv"],
+                            "differs from the identity by 3, and the determinant of R is 2")  # fmt: skip
+
     def test_options_without_effect_are_refused(self):
         pairs = ["register", "--correspondences", "pairs.csv", "--threads", "2"]
         self.assert_refused(USAGE, pairs, "--threads")
@@ -321,8 +357,8 @@ class Register(CliTest):
             (["register", "box.stl", "nan.xyz"], BAD_INPUT),
             (["register", "box.stl", "words.xyz"], BAD_INPUT),
             (["register", "box.stl", "empty.xyz"], BAD_INPUT),
-            (["register", "box.stl", "box.stl", "--noise-bound", "0"], BAD_INPUT),
-            (["register", "--correspondences", file, "--noise-bound", "-1"], BAD_INPUT),
+            (["register", "box.stl", "box.stl", "--noise-bound", "0"], USAGE),
+            (["register", "--correspondences", file, "--noise-bound", "-1"], USAGE),
             (["register", "--correspondences", file, "--primitive", "plane"], BAD_INPUT),
             (["register", "--correspondences", file, "--initial", MIRROR], BAD_INPUT),
             (["register", "--correspondences", file, "--initial", IDENTITY, "--method", "gnc"],
@@ -337,8 +373,8 @@ class Register(CliTest):
             (["register", "box.stl", "box.stl", "--known-scale", "2", "--scale"], USAGE),
             (["certify", "1,2,3", "--correspondences", file], BAD_INPUT),
             (["certify", MIRROR, "--correspondences", file], BAD_INPUT),
-            (["certify", IDENTITY, "--correspondences", file, "--noise-bound", "0"], BAD_INPUT),
-            (["certify", IDENTITY, "--correspondences", file, "--noise-bound", "-1"], BAD_INPUT),
+            (["certify", IDENTITY, "--correspondences", file, "--noise-bound", "0"], USAGE),
+            (["certify", IDENTITY, "--correspondences", file, "--noise-bound", "-1"], USAGE),
             (["certify", IDENTITY, "--correspondences", file, "--set", "x=1"], USAGE),
             (["certify", IDENTITY, "--correspondences", "none.csv"], BAD_INPUT),
         ):

@@ -102,6 +102,28 @@ class RelocateTest(cli.CliTest):
         self.assertEqual(done.returncode, cli.BAD_INPUT)
         self.assertIn("1 trainings against 2", done.stderr)
 
+    def test_both_names_are_checked_before_an_episode_is_run(self):
+        command = ["compare", "relocate-best", "relocate-bets", "--episodes", "5000", "--out", "c"]
+        self.assert_refused(cli.BAD_INPUT, command, "did you mean 'relocate-best'?")
+        self.assert_refused(cli.BAD_INPUT, ["compare", "relocate-best", "none.csv", "--out", "c"], "none.csv")
+
+    def test_what_is_no_policy_is_said(self):
+        self.write("bad.stl", "solid x\nendsolid\n")
+        self.assert_refused(cli.BAD_INPUT, ["rollout", "bad.stl"], "bad.stl is not a policy file: it is not JSON")
+        self.write("other.json", "{}")
+        self.assert_refused(cli.BAD_INPUT, ["rollout", "other.json"], "other.json is not a policy file", "'format'")
+
+    def test_the_next_command_is_named(self):
+        for k, name in enumerate(("a.csv", "b.csv")):
+            self.write_returns(name, [5 + k, 6, 7])
+        few = ["rollout", "--episodes", "1", "--set", "episode.horizon=10", "--set", "task.solver=fast"]
+        for command, more in ((few, "--record 1 --out out/rollout records"),
+                              (["compare", "a.csv", "b.csv"], "--out out/compare draws")):
+            line = self.run_program(*command).stdout.splitlines()[-1]
+            self.assertTrue(line.startswith(f"Next: palpate {' '.join(command)} {more}"), line)
+            self.assertNotIn("Next:", self.run_program(*command, "--quiet").stdout)
+            self.assertNotIn("Next:", self.run_program(*command, "--json").stdout)
+
     def test_constant_returns_are_explained(self):
         self.write_returns("a.csv", [5, 5, 5, 5])
         self.write_returns("b.csv", [7, 7, 7])

@@ -66,6 +66,16 @@ class Sense(CliTest):
         self.assertGreater(len(rows), 200)
         self.assertNotIn("nan", "".join(rows))
 
+    def test_flags_are_named_in_the_table_and_explained_in_the_help(self):
+        rows = slide()
+        rows[50][5:8] = [0, -1, 0]
+        self.write("slide.csv", csv(rows))
+        heading, row, last = self.run_program("sense", "slide.csv", "--estimator", "rls").stdout.splitlines()
+        self.assertTrue(heading.endswith("  flags"), heading)
+        self.assertTrue(row.endswith("  placeholder 1"), row)
+        self.assertTrue(last.startswith("Next: palpate sense slide.csv --estimator rls --out out/sense"), last)
+        self.assertIn("the column flags says why", self.run_program("sense", "--help").stdout)
+
     def test_its_contacts_are_localized(self):
         """A slide on the plane z = 0: in the pose that is found a face of the box lies there."""
         self.write("slide.csv", csv(slide()))

@@ -29,5 +29,25 @@ TEST(Csv, AColumnThatTheHeaderNamesTwiceIsRefusedWhereItIsAskedFor) {
   }
 }
 
+std::string refusal_of_header(const std::string& text) {
+  try {
+    (void)CsvTable(text, "c.csv").require_xyz("");
+  } catch (const BadInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Csv, AHeaderThatIsNoneOrNearlyRightIsNamed) {
+  EXPECT_EQ(refusal_of_header("x,y,z\n"), "");
+  EXPECT_EQ(refusal_of_header("a,b,c\n"), "c.csv:1: no columns x, y, z in the header");
+  for (const std::string wrong : {"x;y;z", "x y z", "0.1,0.2,0.3", "-1,0,nx"}) {
+    EXPECT_EQ(refusal_of_header(wrong + "\n1,2,3\n"),
+              "c.csv:1: expected a comma-separated header with x,y,z; found '" + wrong + "'");
+  }
+  EXPECT_EQ(refusal_of_header("X, Y,z,t\n"),
+            "c.csv:1: no columns x, y, z in the header X, Y,z,t; did you mean x,y,z?");
+}
+
 }  // namespace
 }  // namespace palpate

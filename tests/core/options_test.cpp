@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/core/options.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -155,7 +156,11 @@ TEST(Options, UnknownKeyNamesTheNearestAndTheLine) {
             "run.toml:1: unknown option lfit; did you mean lift.way?");
   EXPECT_EQ(toml_error("[[lift]]\nway = 0.2\n"),
             "run.toml:1: unknown option lift; did you mean lift.way?");
-  EXPECT_EQ(setting_error("zzz=0.2"), "unknown option zzz");
+  for (const char* key : {"zzz", "nonsense", "x.y", "lift.yaw", "speedy.boat"}) {
+    EXPECT_EQ(setting_error(key + std::string("=0.2")), fmt::format("unknown option {}", key));
+  }
+  EXPECT_EQ(setting_error("arm.lift.sped=1"),
+            "unknown option arm.lift.sped; did you mean lift.speed?");
   Renewed sections;  // the section alone is no likeness
   EXPECT_EQ(error_message([&] { apply_setting("estimation.depth=1", sections); }),
             "unknown option estimation.depth");

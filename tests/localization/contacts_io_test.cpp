@@ -92,6 +92,16 @@ TEST(ParseContacts, RefusesColumnsThatItDoesNotKnow) {
   EXPECT_EQ(foreign.find("did you mean"), std::string::npos) << foreign;
 }
 
+TEST(ParseContacts, NamesTheLineOfEachContact) {
+  const std::string text = "x,y,z,t\n1,0,0,3\n\n2,0,0,1\n3,0,0,2\n";
+  const auto contacts = parse_contacts(text, "c.csv");
+  const auto lines = contact_lines(text, "c.csv");
+  EXPECT_EQ(lines, (std::vector<std::size_t>{4, 5, 2}));
+  ASSERT_EQ(contacts.size(), 3U);
+  EXPECT_EQ(contacts[0].p.x(), 2);
+  EXPECT_EQ(contacts[2].p.x(), 1);
+}
+
 TEST(ParseContacts, ReadsWhatTheProgramWritesOfAFinger) {
   EXPECT_EQ(refusal("t,x,y,z,fx,fy,fz,nx,ny,nz,sigma_deg,error_deg,flags\n"
                     "0,0,0,0,0,0,-1,0,0,1,3,2,edge\n"),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,10 @@ struct ContactNoise {
 ///         0
 std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_view source,
                                              const ContactNoise& noise = {});
+
+/// The line of the text, from 1 on, of each of the contacts that parse_contacts() makes of it.
+/// @throws BadInput as parse_contacts()
+std::vector<std::size_t> contact_lines(std::string_view text, std::string_view source);
 
 /// As parse_contacts, from a file. @throws BadInput also if the file cannot be read
 std::vector<tactile::Contact> read_contacts(const std::filesystem::path& path,

