@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "rooms.hpp"
+#include "libraries.hpp"
 
 namespace palpate::python {
 namespace {

@@ -14,7 +14,7 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/python_hand.hpp"
-#include "rooms.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/simulation/hand/hand_store.hpp"
