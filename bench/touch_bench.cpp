@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
+#include "normal_clusters.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
-#include "tactile/normals/normal_clusters.hpp"
 #include "tactile/sliding.hpp"
 
 namespace {

@@ -22,5 +22,5 @@ function(palpate_module name)
   install(TARGETS palpate_${name} EXPORT palpate-${name} COMPONENT development)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/palpate/${module_FOLDER}"
           DESTINATION include/palpate COMPONENT development)
-  set(PALPATE_ROOMS ${PALPATE_ROOMS} ${name} PARENT_SCOPE)
+  set(PALPATE_LIBRARIES ${PALPATE_LIBRARIES} ${name} PARENT_SCOPE)
 endfunction()

@@ -11,7 +11,7 @@
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
 #include "palpate/plotting/plot.hpp"
-#include "palpate/simulation/hand/open_loop_grasp.hpp"
+#include "palpate/simulation/world/open_loop_grasp.hpp"
 
 namespace {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "consistency_graph.hpp"
 #include "experiment.hpp"
 #include "palpate/registration/pose.hpp"
 #include "palpate/registration/registration.hpp"
-#include "registration/consistency_graph.hpp"
 #include "registration/problems.hpp"
 
 namespace {

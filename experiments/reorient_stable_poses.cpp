@@ -13,7 +13,7 @@
 #include "palpate/core/statistics.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/simulation/collision/forward_model.hpp"
-#include "palpate/skills/reorient/regrasp.hpp"
+#include "palpate/skills/place/regrasp.hpp"
 
 namespace {
 

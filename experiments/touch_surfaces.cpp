@@ -8,10 +8,10 @@
 #include <numbers>
 
 #include "experiment.hpp"
+#include "normal_clusters.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/plotting/plot.hpp"
-#include "tactile/normals/normal_clusters.hpp"
 #include "tactile/normals/s2_smoother.hpp"
 #include "tactile/sliding_score.hpp"
 

@@ -13,8 +13,8 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/geometry/objects/known_object.hpp"
-#include "palpate/simulation/contact/representations.hpp"
-#include "palpate/simulation/hand/open_loop_grasp.hpp"
+#include "palpate/simulation/world/open_loop_grasp.hpp"
+#include "representations.hpp"
 
 namespace palpate::app {
 namespace {
@@ -42,7 +42,7 @@ nlohmann::json spread(std::vector<double> values, double unit) {
       {"median", median(values)}, {"p95", quantile(values, 0.95)}, {"max", quantile(values, 1)}};
 }
 
-nlohmann::json representation_json(const simulation::RepresentationResult& result) {
+nlohmann::json representation_json(const RepresentationResult& result) {
   return {{"angle_deg", spread(result.angles, kDegreesPerRadian)},
           {"position_mm", spread(result.offsets, kMillimetres)},
           {"depth_mm", spread(result.depths, kMillimetres)},
@@ -54,13 +54,13 @@ nlohmann::json representation_json(const simulation::RepresentationResult& resul
 nlohmann::json measure_representations(const BenchArguments& arguments) {
   const auto object = geometry::load_known_object(arguments.object);
   const geometry::MeshQuery mesh(object.mesh);
-  const auto probes = simulation::place_test_spheres(mesh, probe_count(arguments), kRadius, kDepth,
-                                                     RandomStream(arguments.common.seed, "probes"));
+  const auto probes = place_test_spheres(mesh, probe_count(arguments), kRadius, kDepth,
+                                         RandomStream(arguments.common.seed, "probes"));
   nlohmann::json results;
-  for (const simulation::Representation representation : simulation::kRepresentations) {
+  for (const Representation representation : kRepresentations) {
     if (!arguments.common.quiet) fmt::print(stderr, "{}\n", to_string(representation));
-    results[std::string(to_string(representation))] = representation_json(
-        simulation::measure_representation(representation, mesh, probes, kRadius));
+    results[std::string(to_string(representation))] =
+        representation_json(measure_representation(representation, mesh, probes, kRadius));
   }
   return results;
 }
@@ -108,7 +108,7 @@ void print_table(const nlohmann::json& report) {
       "fingertips use\n\n{:<8} {:>22} {:>22} {:>22} {:>7} {:>9} {:>9}\n",
       report["probes"].get<int>(), report["object"].get<std::string>(), "", "angle deg",
       "position mm", "depth mm", "missed", "us", "prepare s");
-  for (const simulation::Representation representation : simulation::kRepresentations) {
+  for (const Representation representation : kRepresentations) {
     const std::string name(to_string(representation));
     const auto& result = report["representations"][name];
     fmt::print("{:<8} {:>22} {:>22} {:>22} {:>7} {:>9.1f} {:>9.2f}\n", name,

@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/arm_follower.hpp"
 #include "robot_parts.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 namespace {

@@ -4,10 +4,10 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/nearest_base.hpp"
 #include "robot_parts.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 namespace {

@@ -8,13 +8,13 @@
 
 #include "arrays.hpp"
 #include "cloud_argument.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/cloud/normals.hpp"
 #include "palpate/geometry/io/point_cloud_io.hpp"
 #include "palpate/registration/cloud_registration.hpp"
 #include "registration_fields.hpp"
 #include "registration_words.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 namespace {

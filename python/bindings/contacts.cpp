@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "libraries.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/localization/contacts_io.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <utility>
 
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/option_check.hpp"
 #include "palpate/estimation/held_pose_follower.hpp"
-#include "rooms.hpp"
 #include "shared_model.hpp"
 
 namespace palpate::python {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "libraries.hpp"
 #include "palpate/localization/evidence.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 

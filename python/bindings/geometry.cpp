@@ -10,10 +10,10 @@
 #include <filesystem>
 
 #include "arrays.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
 #include "pickle.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 namespace {

@@ -14,9 +14,9 @@
 
 #include "arrays.hpp"
 #include "description_fields.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "python_hand.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 

@@ -14,11 +14,11 @@
 
 #include "arrays.hpp"
 #include "description_fields.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/hand/description.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "arrays.hpp"
 #include "evidence.hpp"
+#include "libraries.hpp"
 #include "localization_fields.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
@@ -17,7 +18,6 @@
 #include "palpate/core/plausible.hpp"
 #include "palpate/localization/pose_prior.hpp"
 #include "palpate/localization/tracking/tracker.hpp"
-#include "rooms.hpp"
 #include "shared_model.hpp"
 
 namespace palpate::python {

@@ -8,9 +8,9 @@
 #include <tuple>
 #include <utility>
 
+#include "libraries.hpp"
 #include "palpate/localization/pose_prior.hpp"
 #include "pickle.hpp"
-#include "rooms.hpp"
 #include "shared_model.hpp"
 
 namespace palpate::python {

@@ -3,14 +3,14 @@
 
 #include <string>
 
+#include "libraries.hpp"
 #include "palpate/core/version.hpp"
 #include "robot_parts.hpp"
-#include "rooms.hpp"
 
 NB_MODULE(_core, module) {
   using namespace palpate::python;
   module.doc() =
-      "Palpate's compiled rooms. Use them by `import palpate`; SI units, radians, poses (4, 4) "
+      "Palpate's compiled libraries. Use them by `import palpate`; SI units, radians, poses (4, 4) "
       "row-major, points (N, 3). Bad input is a ValueError that names the value.";
   module.attr("__version__") = std::string(palpate::version());
   bind_geometry(module);

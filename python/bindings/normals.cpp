@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "arrays.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
 #include "pickle.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 

@@ -5,9 +5,9 @@
 #include <array>
 #include <string>
 
+#include "libraries.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/se3.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 namespace {

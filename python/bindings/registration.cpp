@@ -5,10 +5,10 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.hpp"
+#include "libraries.hpp"
 #include "palpate/registration/cloud_registration.hpp"
 #include "registration_fields.hpp"
 #include "registration_words.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 namespace {

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "libraries.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 namespace {

@@ -3,11 +3,11 @@
 #include <nanobind/stl/optional.h>
 
 #include "arrays.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/tactile/sensors/height_map.hpp"
 #include "palpate/tactile/sensors/intrinsic_contact.hpp"
 #include "palpate/tactile/sensors/taxel_array.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 namespace {

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/localization/information/next_touch.hpp"
 #include "pickle.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 

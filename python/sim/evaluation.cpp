@@ -14,8 +14,8 @@
 #include "bindings/arrays.hpp"
 #include "bindings/pickle.hpp"
 #include "interruptible.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rooms.hpp"
+#include "libraries.hpp"
 
 NB_MODULE(_sim, module) {
   nanobind::module_::import_("palpate._core");  // the types that both share
-  module.doc() = "Palpate's rooms with the simulator. Use them by `import palpate.sim`.";
+  module.doc() = "Palpate's libraries with the simulator. Use them by `import palpate.sim`.";
   palpate::python::bind_world(module);
   palpate::python::bind_pick(module);
   palpate::python::bind_evaluation(module);

@@ -14,7 +14,7 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/html.hpp"
-#include "bindings/rooms.hpp"
+#include "bindings/libraries.hpp"
 #include "palpate/core/angle.hpp"
 #include "pick_fields.hpp"
 

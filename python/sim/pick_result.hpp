@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "rooms.hpp"
+#include "libraries.hpp"
 
 namespace palpate::python {
 

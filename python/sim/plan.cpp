@@ -17,12 +17,12 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/pickle.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/planning/planner.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
-#include "rooms.hpp"
 
 namespace palpate::python {
 namespace {

@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "bindings/arrays.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/worker_pool.hpp"
 #include "palpate/tasks/relocate/drawn_task.hpp"
 #include "palpate/tasks/relocate/rollout.hpp"
 #include "picture.hpp"
-#include "rooms.hpp"
 #include "sized_renderer.hpp"
 
 namespace palpate::python {

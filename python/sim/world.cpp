@@ -14,14 +14,14 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/python_hand.hpp"
+#include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/simulation/hand/hand_store.hpp"
 #include "palpate/simulation/hand/load_arm.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
-#include "palpate/simulation/hand/open_loop_grasp.hpp"
+#include "palpate/simulation/world/open_loop_grasp.hpp"
 #include "picture.hpp"
-#include "rooms.hpp"
 #include "sized_renderer.hpp"
 
 namespace palpate::python {

@@ -9,7 +9,7 @@
 
 namespace palpate::registration {
 
-/// The tests by which ConsistencyGraph joins correspondences, a row at a time.
+/// The tests by which the consistency graph joins correspondences, a row at a time.
 class PairGates {
  public:
   /// @param columns  in units of the noise bound, to outlive this; may change between rows

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that files and functions stay small, and prints how small they are.
+"""Checks that files and functions stay small, prints how small they are, and compares that with
+what docs/architecture.md says (numbers after "Sizes on", which may be 2 % off).
 
 usage: sizes.py REPOSITORY
 
@@ -16,6 +17,7 @@ FOLDERS = ("include", "src", "apps")
 OTHERS = ("tests", "experiments", "bench", "examples", "fuzz", "python", "viewer", "packaging",
           "docs/site", "cmake", "requirements")  # fmt: skip
 MAX_FILE, MAX_MEDIAN, MAX_FUNCTION = 400, 100, 25
+QUOTED_WITHIN = 0.02
 NO_CODE = re.compile(
     r'//[^\n]*|/\*.*?\*/|R"\w*\(.*?\)\w*"|"(?:\\.|[^"\\\n])*"|(?<!\w)\'(?:\\.|[^\'\\\n])+\'', re.DOTALL
 )
@@ -77,6 +79,16 @@ def other_lines(root):
     return {file.relative_to(root): file.read_text().count("\n") for file in files}
 
 
+def wrong_quotes(root, **figures):
+    """The figures that docs/architecture.md quotes otherwise, or not at all."""
+    text = (root / "docs" / "architecture.md").read_text()
+    for what, value in figures.items():
+        quoted = re.search(rf"^Sizes on .*?([\d ]*\d) {what}\b", text, re.MULTILINE)
+        count = int(quoted[1].replace(" ", "")) if quoted else 0
+        if abs(count - value) > QUOTED_WITHIN * value:
+            yield f"docs/architecture.md says {count} {what}: {value}"
+
+
 def main(root):
     lines, lengths = measure(root)
     median = statistics.median(lines.values())
@@ -92,6 +104,8 @@ def main(root):
         faults.append(f"the median file has {median} lines")
     if p95 > MAX_FUNCTION:
         faults.append(f"more than 5 of 100 functions have over {MAX_FUNCTION} lines")
+    of_libraries = sum(count for file, count in lines.items() if file.parts[0] != "apps")
+    faults += wrong_quotes(root, files=len(lines), functions=len(lengths), lines=of_libraries)
     print("\n".join(faults), end="\n" if faults else "")
     return bool(faults)
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "registration/consistency_graph.hpp"
+#include "consistency_graph.hpp"
 #include "registration/nearest_rotation.hpp"
 #include "registration/problems.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/shadow.hpp"
-#include "palpate/simulation/hand/open_loop_grasp.hpp"
+#include "palpate/simulation/world/open_loop_grasp.hpp"
 #include "palpate/tactile/biotac/skin.hpp"
 #include "simulation/scenes.hpp"
 

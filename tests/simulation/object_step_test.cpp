@@ -13,7 +13,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
 #include "palpate/hand/shadow.hpp"
-#include "palpate/simulation/hand/open_loop_grasp.hpp"
+#include "palpate/simulation/world/open_loop_grasp.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "simulation/scenes.hpp"
 

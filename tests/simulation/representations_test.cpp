@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/simulation/contact/representations.hpp"
+#include "representations.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,11 @@
 #include "palpate/core/statistics.hpp"
 #include "simulation/scenes.hpp"
 
-namespace palpate::simulation {
+namespace palpate::app {
 namespace {
+
+using simulation::cuboid;
+using simulation::trough;
 
 constexpr double kRadius = 0.007, kDepth = 0.0002;  // m
 
@@ -64,4 +67,4 @@ TEST(Representations, RejectsProbesThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace palpate::simulation
+}  // namespace palpate::app

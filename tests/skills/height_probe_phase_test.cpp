@@ -7,7 +7,7 @@
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/simulation/world/world.hpp"
 #include "palpate/skills/pick.hpp"
-#include "palpate/skills/reorient/regrasp.hpp"
+#include "palpate/skills/place/regrasp.hpp"
 #include "skills/soft_shadow.hpp"
 
 namespace palpate::skills {

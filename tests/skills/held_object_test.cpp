@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "palpate/skills/place/place_goal.hpp"
+#include "skills/base_near.hpp"
 
 namespace palpate::skills {
 namespace {

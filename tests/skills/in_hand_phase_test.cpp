@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/skills/reorient/in_hand_phase.hpp"
+#include "palpate/skills/place/in_hand_phase.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/skills/reorient/regrasp.hpp"
+#include "palpate/skills/place/regrasp.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tactile/normals/normal_clusters.hpp"
+#include "normal_clusters.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "normal_clusters.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/statistics.hpp"
-#include "tactile/normals/normal_clusters.hpp"
 #include "tactile/normals/plane_fit.hpp"
 #include "tactile/normals/rls.hpp"
 #include "tactile/normals/s2_filter.hpp"

@@ -5,9 +5,9 @@
 #include <map>
 #include <numbers>
 
+#include "normal_clusters.hpp"
 #include "palpate/tactile/biotac/normal.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
-#include "tactile/normals/normal_clusters.hpp"
 #include "tactile/sliding.hpp"
 
 namespace palpate::tactile {

@@ -9,7 +9,6 @@
 
 #include "geometry/mesh/triangle.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/geometry/repair/mesh_repair.hpp"
 
 namespace palpate::geometry {
 
@@ -80,32 +79,6 @@ std::vector<int> component_labels(const TriangleMesh& mesh) {
     for (const EdgeUse& use : edge) sets.join(edge[0].triangle, use.triangle);
   });
   return sets.labels();
-}
-
-std::vector<TriangleMesh> components(const TriangleMesh& mesh) {
-  const std::vector<int> labels = component_labels(mesh);
-  const int count = labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end()) + 1;
-  std::vector<TriangleMesh> parts(static_cast<std::size_t>(count));
-  std::vector<int> part_of(mesh.vertices.size(), -1), place(mesh.vertices.size());
-  std::vector<std::size_t> order(labels.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&labels](std::size_t a, std::size_t b) { return labels[a] < labels[b]; });
-  for (const std::size_t i : order) {
-    TriangleMesh& part = parts[static_cast<std::size_t>(labels[i])];
-    auto triangle = mesh.triangles[i];
-    for (int& corner : triangle) {
-      const auto vertex = static_cast<std::size_t>(corner);
-      if (part_of[vertex] != labels[i]) {
-        part_of[vertex] = labels[i];
-        place[vertex] = static_cast<int>(part.vertices.size());
-        part.vertices.push_back(mesh.vertices[vertex]);
-      }
-      corner = place[vertex];
-    }
-    part.triangles.push_back(triangle);
-  }
-  return parts;
 }
 
 double signed_volume(const TriangleMesh& mesh) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 #include "geometry/mesh/mesh_topology.hpp"
@@ -41,6 +42,32 @@ MeshReport inspect(const TriangleMesh& mesh) {
                       report.non_manifold_edges == 0 && report.flipped_edges == 0;
   report.volume = signed_volume(mesh);
   return report;
+}
+
+std::vector<TriangleMesh> components(const TriangleMesh& mesh) {
+  const std::vector<int> labels = component_labels(mesh);
+  const int count = labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end()) + 1;
+  std::vector<TriangleMesh> parts(static_cast<std::size_t>(count));
+  std::vector<int> part_of(mesh.vertices.size(), -1), place(mesh.vertices.size());
+  std::vector<std::size_t> order(labels.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&labels](std::size_t a, std::size_t b) { return labels[a] < labels[b]; });
+  for (const std::size_t i : order) {
+    TriangleMesh& part = parts[static_cast<std::size_t>(labels[i])];
+    auto triangle = mesh.triangles[i];
+    for (int& corner : triangle) {
+      const auto vertex = static_cast<std::size_t>(corner);
+      if (part_of[vertex] != labels[i]) {
+        part_of[vertex] = labels[i];
+        place[vertex] = static_cast<int>(part.vertices.size());
+        part.vertices.push_back(mesh.vertices[vertex]);
+      }
+      corner = place[vertex];
+    }
+    part.triangles.push_back(triangle);
+  }
+  return parts;
 }
 
 }  // namespace palpate::geometry

@@ -8,7 +8,7 @@
 #include <map>
 #include <numeric>
 
-#include "localization/search/pose_mixture.hpp"
+#include "localization/likelihood/pose_mixture.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/plausible.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "localization/likelihood/evidence_term.hpp"
 #include "localization/likelihood/free_space_term.hpp"
-#include "localization/search/pose_mixture.hpp"
+#include "localization/likelihood/pose_mixture.hpp"
 #include "palpate/localization/localizer.hpp"
 
 namespace palpate::localization {

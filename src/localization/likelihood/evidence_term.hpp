@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "localization/search/search_pose.hpp"
+#include "localization/likelihood/search_pose.hpp"
 #include "palpate/core/se3.hpp"
 
 namespace palpate::localization {

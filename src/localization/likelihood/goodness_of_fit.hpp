@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "localization/search/search_pose.hpp"
+#include "localization/likelihood/search_pose.hpp"
 #include "palpate/localization/localizer.hpp"
 
 namespace palpate::localization {

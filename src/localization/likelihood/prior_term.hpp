@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "localization/likelihood/evidence_term.hpp"
-#include "localization/search/pose_mixture.hpp"
+#include "localization/likelihood/pose_mixture.hpp"
 
 namespace palpate::localization {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "localization/search/search_pose.hpp"
+#include "localization/likelihood/search_pose.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/localization/localizer.hpp"
 

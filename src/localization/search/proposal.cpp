@@ -9,8 +9,8 @@
 
 #include "localization/likelihood/contact_noise.hpp"
 #include "localization/likelihood/contact_term.hpp"
+#include "localization/likelihood/pose_mixture.hpp"
 #include "localization/likelihood/table_term.hpp"
-#include "localization/search/pose_mixture.hpp"
 #include "palpate/core/se3.hpp"
 
 namespace palpate::localization {

@@ -8,7 +8,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
 #include "simulation/hand/believed_hand.hpp"
-#include "simulation/hand/simulated_hand.hpp"
+#include "simulation/world/simulated_hand.hpp"
 
 namespace palpate::simulation {
 namespace {

@@ -3,10 +3,11 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "palpate/core/random.hpp"
 #include "palpate/hand/hand.hpp"
-#include "palpate/simulation/world/world.hpp"
+#include "palpate/simulation/contact/sensor_noise.hpp"
 #include "simulation/world/mujoco_handles.hpp"
 
 namespace palpate::simulation {

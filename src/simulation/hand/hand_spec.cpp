@@ -9,7 +9,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/query/rounded_hull.hpp"
-#include "simulation/world/warnings.hpp"
+#include "simulation/hand/warnings.hpp"
 
 namespace palpate::simulation {
 namespace {

@@ -4,7 +4,6 @@
 
 #include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
-#include "palpate/simulation/world/world.hpp"
 #include "simulation/hand/hand_joints.hpp"
 #include "simulation/hand/hand_model.hpp"
 #include "simulation/hand/hand_spec.hpp"

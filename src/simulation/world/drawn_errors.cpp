@@ -98,17 +98,6 @@ WorldErrors WorldErrors::realistic() {
           .surface = 0.0005};
 }
 
-SensorNoise SensorNoise::realistic() {
-  SensorNoise noise;
-  noise.load = 0.1;
-  noise.mount = 0.0001;
-  noise.mount_angle = 0.0005;
-  noise.mount_delay = 0.02;
-  noise.touch_delay = 0.01;
-  noise.touch_threshold = 0.05;
-  return noise;
-}
-
 WorldOptions WorldOptions::realistic() {
   WorldOptions options;
   options.hand_friction = options.table_friction = 0.7;

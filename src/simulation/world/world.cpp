@@ -12,8 +12,9 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
-#include "simulation/hand/simulated_hand.hpp"
+#include "simulation/hand/warnings.hpp"
 #include "simulation/world/drawn_errors.hpp"
+#include "simulation/world/simulated_hand.hpp"
 
 namespace palpate::simulation {
 namespace {

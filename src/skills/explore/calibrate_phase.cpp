@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "palpate/hand/tip_forces.hpp"
-#include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "skills/explore/calibration_touches.hpp"

@@ -13,6 +13,7 @@
 #include "estimation/mean_load.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/gravity.hpp"
+#include "skills/base_near.hpp"
 #include "skills/grasp/release_phase.hpp"
 #include "skills/last_contacts.hpp"
 #include "skills/phase_sequence.hpp"

@@ -11,20 +11,13 @@
 #include "palpate/core/angle.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "skills/base_near.hpp"
 
 namespace palpate::skills {
 namespace {
 
 constexpr double kSettles = 30 * std::numbers::pi / 180;        // rad: more than a grasp tilts
 constexpr double kSameStablePose = 3 * std::numbers::pi / 180;  // rad
-
-/// Angles of Rz Ry Rx. There are two triples; the second one turns pitch past the vertical.
-std::array<Eigen::Vector3d, 2> angles_of(const Eigen::Matrix3d& R) {
-  const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
-  const double yaw = std::atan2(R(1, 0), R(0, 0));
-  const double roll = std::atan2(R(2, 1), R(2, 2));
-  return {Eigen::Vector3d(yaw, pitch, roll), {yaw + kPi, kPi - pitch, roll + kPi}};
-}
 
 std::string obstacle_at(const hand::BasePosition& base, const GoalOptions& options) {
   if (base.xyz.head<2>().cwiseAbs().maxCoeff() > options.reach) {
@@ -76,22 +69,6 @@ std::optional<HeldObject> held_object(const geometry::KnownObject& object,
       nearest_stable_pose(object, (T_world_closed * best.T).linear()).stable_pose;
   held.certainty = best.share;
   return held;
-}
-
-hand::BasePosition base_near(const Eigen::Isometry3d& T_world_base,
-                             const hand::BasePosition& near) {
-  constexpr double kTurn = 2 * std::numbers::pi;
-  hand::BasePosition best;
-  best.xyz = T_world_base.translation();
-  double least = std::numeric_limits<double>::infinity();
-  for (Eigen::Vector3d ypr : angles_of(T_world_base.linear())) {
-    ypr -= kTurn * ((ypr - near.ypr) / kTurn).array().round().matrix();
-    const double turn = (ypr - near.ypr).norm();
-    if (turn >= least) continue;
-    least = turn;
-    best.ypr = ypr;
-  }
-  return best;
 }
 
 GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held,

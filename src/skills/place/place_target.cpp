@@ -199,15 +199,6 @@ PlaceTarget stable_pose_target(const geometry::KnownObject& object, std::size_t 
   return target;
 }
 
-Eigen::Isometry3d resting_pose(const geometry::KnownObject& object, std::size_t stable_pose,
-                               const Eigen::Vector2d& xy, double yaw) {
-  const geometry::StablePose& rest = object.stable_poses[stable_pose];
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * rest.R_table_object;
-  T.translation() << xy, rest.height;
-  return T;
-}
-
 NearestStablePose nearest_stable_pose(const geometry::KnownObject& object,
                                       const Eigen::Matrix3d& R_world_object) {
   const Eigen::Vector3d up = R_world_object.row(2);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "palpate/core/angle.hpp"
+#include "skills/base_near.hpp"
 
 namespace palpate::skills {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "estimation/mean_load.hpp"
 #include "palpate/core/se3.hpp"
-#include "palpate/skills/place/place_goal.hpp"
+#include "skills/base_near.hpp"
 #include "skills/load_below.hpp"
 
 namespace palpate::skills {

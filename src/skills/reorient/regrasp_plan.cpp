@@ -11,8 +11,9 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
-#include "palpate/skills/place/place_goal.hpp"
-#include "skills/place/put_down.hpp"
+#include "palpate/skills/resting_pose.hpp"
+#include "skills/base_near.hpp"
+#include "skills/reorient/put_down.hpp"
 
 namespace palpate::skills {
 namespace {

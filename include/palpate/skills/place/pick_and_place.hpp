@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "palpate/skills/place/place.hpp"
-#include "palpate/skills/reorient/regrasp.hpp"
+#include "palpate/skills/place/regrasp.hpp"
 
 namespace palpate::skills {
 

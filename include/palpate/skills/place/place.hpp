@@ -6,9 +6,9 @@
 
 #include "palpate/skills/explore/height_probe_phase.hpp"
 #include "palpate/skills/pick.hpp"
+#include "palpate/skills/place/in_hand_phase.hpp"
 #include "palpate/skills/place/place_phase.hpp"
 #include "palpate/skills/place/transport_phase.hpp"
-#include "palpate/skills/reorient/in_hand_phase.hpp"
 #include "palpate/skills/reorient/regrasp_plan.hpp"
 
 namespace palpate::skills {

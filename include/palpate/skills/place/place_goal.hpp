@@ -66,9 +66,6 @@ struct GoalOptions {
   }
 };
 
-/// Base position with a pose, turned the shorter way from `near`.
-hand::BasePosition base_near(const Eigen::Isometry3d& T_world_base, const hand::BasePosition& near);
-
 /// The base position that brings the held object to the target: base = T_world_object S
 /// T_base_object^-1, where S is that symmetry of the object that needs the least turn of the base
 /// and leaves hand and object free of table and fixture.

@@ -6,6 +6,7 @@
 
 #include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/planning/fixture.hpp"
+#include "palpate/skills/resting_pose.hpp"
 
 namespace palpate::skills {
 
@@ -73,10 +74,6 @@ bool same_side_up(const geometry::KnownObject& object, const Eigen::Matrix3d& R_
 /// all of the object that is below the walls' top when it is seated.
 /// @throws BadInput for a stable pose that the object does not have, or too little room
 planning::Fixture make_fixture(const geometry::KnownObject& object, const FixtureOptions& options);
-
-/// Pose of the object at rest: its centroid over x, y; yaw as stable_poses() counts it.
-Eigen::Isometry3d resting_pose(const geometry::KnownObject& object, std::size_t stable_pose,
-                               const Eigen::Vector2d& xy, double yaw);
 
 /// The stable pose whose up direction is nearest to that of a pose, and the angle between them.
 struct NearestStablePose {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "simulation/world/warnings.hpp"
+#include "simulation/hand/warnings.hpp"
 
 #include <mujoco/mujoco.h>
 

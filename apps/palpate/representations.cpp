@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/simulation/contact/representations.hpp"
+#include "representations.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,7 +17,7 @@
 #include "simulation/contact/exact_contact.hpp"
 #include "simulation/hand/hand_spec.hpp"
 
-namespace palpate::simulation {
+namespace palpate::app {
 namespace {
 
 constexpr double kBallLength = 1e-6;  // m, of the capsule that stands for a ball
@@ -57,7 +57,7 @@ ObjectXml describe(Representation representation, const geometry::TriangleMesh& 
     return xml;
   }
   const auto meshes = representation == Representation::parts
-                          ? convex_parts(mesh)
+                          ? simulation::convex_parts(mesh)
                           : std::vector<geometry::TriangleMesh>{mesh};
   const std::string type = representation == Representation::sdf ? "sdf" : "mesh";
   for (int i = 0; i < static_cast<int>(meshes.size()); ++i) {
@@ -67,8 +67,8 @@ ObjectXml describe(Representation representation, const geometry::TriangleMesh& 
   return xml;
 }
 
-ModelHandle make_model(Representation representation, const geometry::TriangleMesh& mesh,
-                       double radius) {
+simulation::ModelHandle make_model(Representation representation,
+                                   const geometry::TriangleMesh& mesh, double radius) {
   const ObjectXml object = describe(representation, mesh);
   const std::string tip =
       representation == Representation::exact
@@ -77,11 +77,12 @@ ModelHandle make_model(Representation representation, const geometry::TriangleMe
   const std::string xml = fmt::format(
       R"(<mujoco><size nuser_geom="{}"/><asset>{}</asset><worldbody><body name="object">{}</body>)"
       R"(<body><freejoint/><geom name="tip" {}/></body></worldbody></mujoco>)",
-      kExactContactUserData, object.assets, object.geoms, tip);
+      simulation::kExactContactUserData, object.assets, object.geoms, tip);
   std::array<char, 512> message{};
-  SpecHandle spec(mj_parseXMLString(xml.c_str(), nullptr, message.data(), message.size()));
+  simulation::SpecHandle spec(
+      mj_parseXMLString(xml.c_str(), nullptr, message.data(), message.size()));
   if (!spec) throw BadInput(fmt::format("the simulator refuses the mesh: {}", message.data()));
-  return compile(*spec);
+  return simulation::compile(*spec);
 }
 
 /// The deepest contact of the tip: its point on the object and the object's outward normal.
@@ -96,8 +97,8 @@ std::optional<Found> deepest(const mjData& data, int tip) {
     const mjContact& contact = data.contact[i];
     if (best && -contact.dist <= best->depth) continue;
     const double sign = contact.geom[1] == tip ? 1 : -1;
-    const Eigen::Vector3d n = sign * vector3(contact.frame);
-    best = Found{vector3(contact.pos) - 0.5 * contact.dist * n, n, -contact.dist};
+    const Eigen::Vector3d n = sign * simulation::vector3(contact.frame);
+    best = Found{simulation::vector3(contact.pos) - 0.5 * contact.dist * n, n, -contact.dist};
   }
   return best;
 }
@@ -163,12 +164,12 @@ RepresentationResult measure_representation(Representation representation,
   RepresentationResult result;
   const std::clock_t start = std::clock();
   const geometry::CapsuleCollider collider(mesh);
-  const ModelHandle model = make_model(representation, mesh.mesh(), radius);
+  const simulation::ModelHandle model = make_model(representation, mesh.mesh(), radius);
   if (representation == Representation::exact) {
-    use_exact_surface(*model, find_id(*model, mjOBJ_GEOM, "g0"), collider);
+    simulation::use_exact_surface(*model, simulation::find_id(*model, mjOBJ_GEOM, "g0"), collider);
   }
   result.prepare_seconds = cpu_seconds_since(start);
-  const DataHandle data(mj_makeData(model.get()));
+  const simulation::DataHandle data(mj_makeData(model.get()));
   const auto place = [&](const TestSphere& probe) {
     mjtNum* const position = data->qpos + model->nq - 7;  // of the ball's free joint, the last one
     Eigen::Vector3d::Map(position) = probe.center;
@@ -178,7 +179,7 @@ RepresentationResult measure_representation(Representation representation,
   const std::clock_t before = std::clock();
   for (const TestSphere& probe : probes) place(probe);
   result.call_seconds = cpu_seconds_since(before) / static_cast<double>(probes.size());
-  const int tip = find_id(*model, mjOBJ_GEOM, "tip");
+  const int tip = simulation::find_id(*model, mjOBJ_GEOM, "tip");
   for (const TestSphere& probe : probes) {
     place(probe);
     const auto found = deepest(*data, tip);
@@ -194,4 +195,4 @@ RepresentationResult measure_representation(Representation representation,
   return result;
 }
 
-}  // namespace palpate::simulation
+}  // namespace palpate::app

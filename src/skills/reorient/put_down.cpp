@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/place/put_down.hpp"
+#include "skills/reorient/put_down.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "palpate/core/se3.hpp"
-#include "palpate/skills/place/place_goal.hpp"
+#include "skills/base_near.hpp"
 
 namespace palpate::skills {
 namespace {

@@ -8,9 +8,9 @@
 #include "palpate/core/random.hpp"
 #include "palpate/hand/arm_follower.hpp"
 #include "palpate/hand/hand.hpp"
-#include "simulation/hand/sensor_errors.hpp"
-#include "simulation/hand/simulated_biotacs.hpp"
 #include "simulation/world/scene.hpp"
+#include "simulation/world/sensor_errors.hpp"
+#include "simulation/world/simulated_biotacs.hpp"
 
 namespace palpate::simulation {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "simulation/hand/sensor_errors.hpp"
+#include "simulation/world/sensor_errors.hpp"
 
 #include <algorithm>
 #include <cmath>

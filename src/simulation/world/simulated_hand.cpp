@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "simulation/hand/simulated_hand.hpp"
+#include "simulation/world/simulated_hand.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "simulation/hand/simulated_biotacs.hpp"
+#include "simulation/world/simulated_biotacs.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localization/search/pose_mixture.hpp"
+#include "localization/likelihood/pose_mixture.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "localization/likelihood/evidence_term.hpp"
-#include "localization/search/search_pose.hpp"
+#include "localization/likelihood/search_pose.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/localization/evidence.hpp"
 

@@ -8,7 +8,7 @@
 #include "palpate/core/random.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
 
-namespace palpate::simulation {
+namespace palpate::app {
 
 /// What the simulator may collide with in place of an object's surface.
 enum class Representation {
@@ -53,4 +53,4 @@ RepresentationResult measure_representation(Representation representation,
                                             const geometry::MeshQuery& mesh,
                                             const std::vector<TestSphere>& probes, double radius);
 
-}  // namespace palpate::simulation
+}  // namespace palpate::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "registration/consistency_graph.hpp"
+#include "consistency_graph.hpp"
 
 #include <fmt/format.h>
 

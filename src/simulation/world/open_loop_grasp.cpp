@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/simulation/hand/open_loop_grasp.hpp"
+#include "palpate/simulation/world/open_loop_grasp.hpp"
 
 #include <algorithm>
 #include <cmath>
