@@ -14,16 +14,16 @@ namespace {
 
 constexpr double kTableThickness = 0.02;  // m
 
-using Rgb = Eigen::Vector3f;
+using Color = Eigen::Vector3f;
 
-const Rgb kObjectColor(0.93f, 0.46f, 0.16f);
-const Rgb kHandColor(0.42f, 0.45f, 0.50f);
-const Rgb kTableColor(0.80f, 0.74f, 0.66f);
-const Rgb kSkyTop(0.96f, 0.97f, 0.98f);
-const Rgb kSkyBottom(0.62f, 0.69f, 0.77f);
+const Color kObjectColor(0.93f, 0.46f, 0.16f);
+const Color kHandColor(0.42f, 0.45f, 0.50f);
+const Color kTableColor(0.80f, 0.74f, 0.66f);
+const Color kSkyTop(0.96f, 0.97f, 0.98f);
+const Color kSkyBottom(0.62f, 0.69f, 0.77f);
 
-void set(float* rgb, const Rgb& color) { Eigen::Vector3f::Map(rgb) = color; }
-Rgb gray(float value) { return Rgb::Constant(value); }
+void set(float* rgb, const Color& color) { Eigen::Vector3f::Map(rgb) = color; }
+Color gray(float value) { return Color::Constant(value); }
 
 void set_quality(mjVisual& visual, int width, int height) {
   visual.global.offwidth = width;
@@ -50,7 +50,7 @@ void add_sky(mjSpec& spec) {
   Eigen::Vector3d::Map(sky->rgb2) = kSkyBottom.cast<double>();
 }
 
-mjsMaterial& add_material(mjSpec& spec, const char* name, const Rgb& color) {
+mjsMaterial& add_material(mjSpec& spec, const char* name, const Color& color) {
   mjsMaterial* material = mjs_addMaterial(&spec, mjs_getSpecDefault(&spec));
   mjs_setName(material->element, name);
   set(material->rgba, color);
