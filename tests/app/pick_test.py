@@ -36,6 +36,16 @@ class Fault(CliTest):
         self.assertIn(f"ends in phase {report['phases'][-1]['name']} (", hint)
 
 
+class Units(CliTest):
+    def test_a_mesh_in_millimetres(self):
+        self.write("mm.stl", box_stl(50, 94, 175))
+        self.run_json("pick", "--object", "mm.stl", "--units", "mm", "--seed", "3", "--out", "run", *QUICK)
+        for command in ("pick", "eval"):
+            self.assert_refused(BAD_INPUT, [command, "--object", "mm.stl", "--out", "new"], "--units mm")
+            self.assert_refused(BAD_INPUT, [command, "--object", "box", "--units", "mm", "--out", "new"],
+                                "--units mm is of mesh files, and box is none")  # fmt: skip
+
+
 class BadInput(CliTest):
     def assert_bad_object(self, name, *words):
         for command in ["pick", "eval"]:
