@@ -225,7 +225,7 @@ void print_next_of(const LocalizeArguments& arguments, const CLI::App& command,
   } else if (result.posterior.status != lo::PoseStatus::no_pose) {
     print_next(
         arguments.common,
-        fmt::format("{} --out out/localize-{} keeps the poses, the prior of more contacts",
+        fmt::format("{} --out out/localize-{}, which writes the poses; --prior reads them",
                     given_command(command), std::filesystem::path(arguments.mesh).stem().string()));
   }
 }

@@ -174,7 +174,7 @@ class Pick(LiveTest):
         self.assertFalse((self.folder / "run").exists())
         self.assert_refused(BAD_INPUT, ["eval", "--faults", "load_nan", "--live", "0"], "--live")
         self.assert_refused(USAGE, ["view", "--object", "mug"], "--live")
-        self.assert_refused(BAD_INPUT, ["view"], "--live")
+        self.assert_refused(USAGE, ["view"], "--live")
         self.assert_refused(BAD_INPUT, ["view", "--live", "run.h5"], "--live")
 
 

@@ -28,7 +28,7 @@ class Tutorial(CliTest):
 
     def test_the_pose_of_the_bracket(self):
         shown = shown_after("./dev palpate localize bracket examples/bracket.csv")
-        self.assertEqual(len(shown), 3)
+        self.assertEqual(len(shown), 4)
         self.assertEqual(self.printed("localize", "bracket", "examples/bracket.csv"), shown)
 
     def test_the_end_of_the_pick(self):
