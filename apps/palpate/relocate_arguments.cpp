@@ -22,8 +22,8 @@ namespace palpate::app {
 namespace {
 
 /// The best first.
-constexpr std::array<std::string_view, 5> kShipped = {
-    "relocate-best", "relocate-robust", "relocate-near", "relocate-memoryless", "relocate-box"};
+constexpr std::array<std::string_view, 4> kShipped = {"relocate-best", "relocate-robust",
+                                                      "relocate-memoryless", "relocate-box"};
 constexpr const char* kHeader = "return,distance,steps_within_5cm,diverged";
 
 double number_before_comma(const std::string& line) {

@@ -54,7 +54,7 @@ class RelocateTest(cli.CliTest):
 
     def test_a_policy_may_be_told_what_touch_knows(self):
         few = ["--episodes", "1", "--set", "episode.horizon=40", "--set", "touch.explore=false"]
-        report = self.run_json("rollout", "relocate-near", "--touch", *few)
+        report = self.run_json("rollout", "relocate-robust", "--touch", *few)
         self.assertEqual(
             set(report["touch"]),
             {"explored", "resting_error_mm", "reported_error_mm", "estimates", "estimate_seconds"},
@@ -63,7 +63,7 @@ class RelocateTest(cli.CliTest):
         self.assertGreater(report["touch"]["estimates"], 0)
         self.assertGreater(report["touch"]["resting_error_mm"], 0)
         self.assertEqual(report["touch"]["explored"], 0)
-        told_the_truth = self.run_json("rollout", "relocate-near", *few)
+        told_the_truth = self.run_json("rollout", "relocate-robust", *few)
         self.assertNotIn("touch", told_the_truth)
         refused = self.run_program("rollout", "--touch", "--record", "1", "--out", "r")
         self.assertEqual(refused.returncode, cli.BAD_INPUT)
