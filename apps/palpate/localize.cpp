@@ -118,23 +118,24 @@ std::vector<std::string> names_of(const std::string& meshes) {
   return CLI::detail::split(meshes, ',');
 }
 
+/// Read once: the file may be a pipe.
 /// @throws BadInput also for a file without contacts, if nothing else says where the object is
-std::vector<tactile::Contact> contacts_of(const LocalizeArguments& arguments) {
-  auto contacts = lo::read_contacts(arguments.contacts,
-                                    {arguments.point_noise, arguments.normal_noise_deg * kDegree});
+ContactFile read_contact_file(const LocalizeArguments& arguments) {
+  ContactFile file{arguments.contacts, read_file(arguments.contacts), {}};
+  file.contacts = lo::parse_contacts(file.text, file.name,
+                                     {arguments.point_noise, arguments.normal_noise_deg * kDegree});
   const bool alone = !arguments.table && arguments.planes.empty() && arguments.prior.empty();
-  if (contacts.empty() && alone) {
-    throw BadInput(arguments.contacts + " has no contacts: there is nothing below its header");
+  if (file.contacts.empty() && alone) {
+    throw BadInput(file.name + " has no contacts: there is nothing below its header");
   }
-  return contacts;
+  return file;
 }
 
 lo::Evidence evidence_of(const LocalizeArguments& arguments, const LocalizeOptions& options,
-                         const geometry::KnownObject& object) {
+                         const ContactFile& file, const geometry::KnownObject& object) {
+  check_together(file, geometry::bounds(object.mesh).diagonal().norm());
   lo::Evidence evidence;
-  evidence.contacts = contacts_of(arguments);
-  check_together(arguments.contacts, evidence.contacts,
-                 geometry::bounds(object.mesh).diagonal().norm());
+  evidence.contacts = file.contacts;
   if (arguments.table) evidence.table = table_at(*arguments.table, evidence.contacts, object);
   if (!arguments.free.empty()) evidence.free_space = lo::read_free_space(arguments.free);
   if (!arguments.planes.empty()) evidence.planes = lo::read_plane_contacts(arguments.planes);
@@ -151,8 +152,9 @@ lo::Evidence evidence_of(const LocalizeArguments& arguments, const LocalizeOptio
 
 /// The pose of the one object.
 lo::Posterior search(const geometry::ObjectModel& model, const LocalizeArguments& arguments,
-                     const LocalizeOptions& options, LocalizeResult& result) {
-  const lo::Evidence evidence = evidence_of(arguments, options, model.object());
+                     const LocalizeOptions& options, const ContactFile& file,
+                     LocalizeResult& result) {
+  const lo::Evidence evidence = evidence_of(arguments, options, file, model.object());
   const RandomStream random(arguments.common.seed, "localize");
   auto posterior = arguments.method == "fast"
                        ? lo::localize_fast(model, evidence, random, options.search, options.fast)
@@ -167,12 +169,12 @@ lo::Posterior search(const geometry::ObjectModel& model, const LocalizeArguments
 /// Which object it is, and its pose.
 lo::Posterior identify(const std::vector<geometry::ObjectModel>& models,
                        const LocalizeArguments& arguments, const LocalizeOptions& options,
-                       LocalizeResult& result) {
+                       const ContactFile& file, LocalizeResult& result) {
   double area = 0, seconds = 0;
   for (const auto& model : models) area += model.area() / static_cast<double>(models.size());
   std::vector<lo::ObjectHypothesis> hypotheses;
   for (const auto& model : models) {
-    lo::Evidence evidence = evidence_of(arguments, options, model.object());
+    lo::Evidence evidence = evidence_of(arguments, options, file, model.object());
     evidence.contact_area = area;
     hypotheses.push_back(lo::hypothesis_of(model, evidence,
                                            RandomStream(arguments.common.seed, "localize"),
@@ -200,13 +202,13 @@ LocalizeResult solve(const LocalizeArguments& arguments, const LocalizeOptions& 
   }
   require_distinct(result.names);
   require_mesh_file(result.names, arguments.units);
-  contacts_of(arguments);  // bad ones are named before a mesh is prepared
+  const ContactFile file = read_contact_file(arguments);  // before a mesh is prepared
   std::vector<geometry::ObjectModel> models;
   for (const auto& name : result.names) models.emplace_back(load_object(name, arguments.units));
   const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
   result.prepare_seconds = prepared.count();
-  result.posterior = models.size() == 1 ? search(models.front(), arguments, options, result)
-                                        : identify(models, arguments, options, result);
+  result.posterior = models.size() == 1 ? search(models.front(), arguments, options, file, result)
+                                        : identify(models, arguments, options, file, result);
   const auto& object = models[result.objects.best].object();
   result.T_object_mesh = object.T_mesh_object.inverse();
   result.repairs = object.repairs;
@@ -225,7 +227,7 @@ void print_next_of(const LocalizeArguments& arguments, const CLI::App& command,
   } else if (result.posterior.status != lo::PoseStatus::no_pose) {
     print_next(
         arguments.common,
-        fmt::format("{} --out out/localize-{}, which writes the poses; --prior reads them",
+        fmt::format("{} --out out/localize-{} writes the poses, which --prior reads",
                     given_command(command), std::filesystem::path(arguments.mesh).stem().string()));
   }
 }

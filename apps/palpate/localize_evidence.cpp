@@ -96,8 +96,8 @@ lo::PosePrior read_prior(const std::filesystem::path& path, const std::string& o
   }
 }
 
-void check_together(const std::filesystem::path& path,
-                    const std::vector<tactile::Contact>& contacts, double size) {
+void check_together(const ContactFile& file, double size) {
+  const auto& contacts = file.contacts;
   if (contacts.empty()) return;
   const Eigen::Vector3d middle = median_of(contacts);
   std::vector<std::size_t> far;
@@ -105,10 +105,10 @@ void check_together(const std::filesystem::path& path,
     if ((contacts[k].p - middle).norm() > kFar * size) far.push_back(k);
   }
   if (far.empty() || 2 * far.size() >= contacts.size()) return;
-  const auto lines = lo::contact_lines(read_file(path), path.string());
+  const auto lines = lo::contact_lines(file.text, file.name);
   const std::string more =
       far.size() == 1 ? "" : fmt::format(", and {} more are as far", far.size() - 1);
-  throw BadInput(fmt::format("{}:{}: the contact is {:.3g} m from the others{}", path.string(),
+  throw BadInput(fmt::format("{}:{}: the contact is {:.3g} m from the others{}", file.name,
                              lines.at(far.front()), (contacts[far.front()].p - middle).norm(),
                              more));
 }

@@ -24,10 +24,15 @@ localization::PosePrior read_prior(const std::filesystem::path& path, const std:
 /// axes, from that of the pose itself.
 Matrix6d covariance_at(const Eigen::Vector3d& arm, const Matrix6d& covariance);
 
-/// Refuses contacts of a file of which a few lie far from the others, by their lines.
+/// A file of contacts, as it was read.
+struct ContactFile {
+  std::string name, text;
+  std::vector<tactile::Contact> contacts;
+};
+
+/// Refuses contacts of which a few lie far from the others, by their lines.
 /// @param size  of the object, m
 /// @throws BadInput
-void check_together(const std::filesystem::path& path,
-                    const std::vector<tactile::Contact>& contacts, double size);
+void check_together(const ContactFile& file, double size);
 
 }  // namespace palpate::app

@@ -3,8 +3,10 @@
 
 import json
 import math
+import os
 import pathlib
 import random
+import threading
 
 from cli import BAD_INPUT, DONE, NO_SOLUTION, USAGE, CliTest, box_stl, main
 
@@ -107,6 +109,23 @@ class Localize(CliTest):
         result = self.localize([], "--table", "0")  # the stable poses
         self.assertEqual(result["status"], "ambiguous")
 
+    def test_contacts_come_through_a_pipe_of_which_a_far_one_is_named(self):
+        pipe = self.folder / "pipe"
+        os.mkfifo(pipe)
+
+        def through_pipe(rows):
+            writer = threading.Thread(target=pipe.write_text, args=(csv(rows),), daemon=True)
+            writer.start()
+            done = self.run_program("localize", "box.stl,mug", str(pipe), "--json", *QUICK)
+            writer.join(10)
+            return done
+
+        rows = contacts_on_box(9)
+        self.assertEqual(through_pipe(rows).returncode, DONE)
+        refused = through_pipe([*rows, [12.0, 0, 0, 0, 0, 1]])
+        self.assertEqual(refused.returncode, BAD_INPUT)
+        self.assertIn(":11: the contact is ", refused.stderr)
+
     def test_contacts_of_another_object(self):
         """A ball of 30 mm, twice as wide as the box is thick."""
         stream, rows = random.Random(3), []
@@ -192,7 +211,7 @@ class Localize(CliTest):
         lines = self.run_program(*command).stdout.splitlines()
         self.assertTrue(lines[-1].startswith("Next: palpate localize box.stl contacts.csv --table 0.5 "), lines[-1])
         self.assertIn(" ".join(QUICK), lines[-1])
-        self.assertIn(" --out out/localize-box keeps", lines[-1])
+        self.assertIn(" --out out/localize-box writes", lines[-1])
         for option in ("--quiet", "--json"):
             self.assertNotIn("Next:", self.run_program(*command, option).stdout)
 
