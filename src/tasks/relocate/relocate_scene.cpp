@@ -155,7 +155,9 @@ void find_parts(RelocateScene& scene) {
     scene.hand.push_back(model.body_rootid[body] == arm);
     scene.held.push_back(body == scene.object);
   }
-  for (const char* tip : kTipGeoms) scene.tips.push_back(mj_name2id(&model, mjOBJ_GEOM, tip));
+  for (const char* tip : kTipGeoms) {
+    scene.tips.push_back(simulation::find_id(model, mjOBJ_GEOM, tip));
+  }
 }
 
 void check(const RelocatePhysics& physics) {
