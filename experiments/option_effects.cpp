@@ -14,6 +14,7 @@
 #include "palpate/core/parallel.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/evaluation/trial_record.hpp"
+#include "palpate/recording/sink.hpp"
 
 namespace {
 
@@ -69,7 +70,7 @@ struct OtherValues {
     return {*value ? "false" : "true"};
   }
   std::vector<std::string> operator()(const std::string* value) const {
-    std::vector<std::string> words = {"random", "wrist", "regrasp", "biotac"};
+    std::vector<std::string> words = {"random", "wrist", "regrasp", "biotac", "shadow-left"};
     std::erase(words, *value);
     return words;
   }
@@ -78,8 +79,8 @@ struct OtherValues {
     const auto value = static_cast<double>(*option.value), low = static_cast<double>(option.low),
                high = std::min(static_cast<double>(option.high), low + 1e4);
     std::vector<std::string> others;
-    for (const double other :
-         {low, 2 * value, value / 2, (low + 3 * value) / 4, (low + high) / 2, high}) {
+    for (const double other : {low, 2 * value, value / 2, (low + 3 * value) / 4, (low + high) / 2,
+                               high, low + 1e-6 * (high - low)}) {
       const double rounded = std::is_integral_v<Number> ? std::round(other) : other;
       if (rounded != value && rounded >= low && rounded <= high) {
         others.push_back(fmt::format("{}", rounded));
@@ -93,6 +94,15 @@ void drop_wall_times(nlohmann::json& j) {
   if (j.is_object()) j.erase("wall_seconds");
   if (j.is_structured()) std::ranges::for_each(j, drop_wall_times);
 }
+
+/// Whether a recording of the trial would have the channels of BioTacs.
+struct ChannelsSeen : recording::Sink {
+  bool any = false;
+  void frame(const recording::Frame& frame) override { any |= !frame.reading.biotacs.empty(); }
+  void event(const recording::Event&) override {}
+  void estimate(const recording::EstimateRecord&) override {}
+  void belief(const recording::BeliefRecord&) override {}
+};
 
 /// What a job does with the usual options, or with one that is changed.
 struct Course {
@@ -112,6 +122,7 @@ Course run(const geometry::ObjectModel& object, const TrialOptions& options, std
            const Course* usual = nullptr) {
   Course course;
   std::stop_source stop;
+  ChannelsSeen channels;
   skills::PhaseObserver observer;
   observer.on_end = [&](const skills::PhaseReport& report, double) {
     course.phases.push_back(describe(report));
@@ -122,9 +133,9 @@ Course run(const geometry::ObjectModel& object, const TrialOptions& options, std
   };
   try {
     auto record = evaluation::trial_to_json(
-        evaluation::run_trial(object, options, seed, nullptr, observer, stop.get_token()));
+        evaluation::run_trial(object, options, seed, &channels, observer, stop.get_token()));
     drop_wall_times(record);
-    course.end = record.dump();
+    course.end = record.dump() + (channels.any ? " with channels" : "");
   } catch (const BadInput&) {
     course.refused = true;
   }

@@ -9,6 +9,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/simulation/hand/mjcf_hand.hpp"
 #include "palpate/tasks/relocate/minari_io.hpp"
 #include "progress_bar.hpp"
 #include "terminal.hpp"
@@ -114,7 +115,7 @@ struct RetargetReport {
   double tip_mm = 0, middle_mm = 0, ms = 0, largest_step = 0;
 };
 
-std::string joints_header(const simulation::MjcfHand& hand) {
+std::string joints_header(const hand::PointKinematics& hand) {
   std::string header = "frame";
   for (const auto& name : hand.joint_names()) header += "," + name;
   return header + "\n";
@@ -126,7 +127,7 @@ int retarget(const RetargetArguments& arguments) {
   const auto filtered = learning::filter_hand(learning::read_keypoints(arguments.keypoints),
                                               arguments.rate, options.filter);
   learning::Retargeter retargeter(
-      simulation::MjcfHand(asset("adroit_hand/adroit_relocate.xml"), "palm"),
+      std::make_unique<simulation::MjcfHand>(asset("adroit_hand/adroit_relocate.xml"), "palm"),
       learning::adroit_points(), options.retarget);
   RetargetReport report{filtered.hand.size(), filtered.replaced, 0, 0, 0, 0};
   std::string table = joints_header(retargeter.hand());

@@ -12,7 +12,7 @@ import sys
 
 LIBRARIES = (
     "core plotting numerics geometry registration hand tactile grasping localization estimation "
-    "planning skills recording ros2 bridge simulation evaluation learning tasks"
+    "planning skills recording ros2 bridge learning simulation evaluation tasks"
 ).split()
 FIRST_WITH_SIMULATOR = "simulation"
 INCLUDE = re.compile(r'^\s*#include\s+[<"]([^>"]+)[>"]', re.MULTILINE)

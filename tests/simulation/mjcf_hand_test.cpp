@@ -33,8 +33,9 @@ TEST(MjcfHand, JacobianIsTheDerivativeOfThePositions) {
   for (auto hand : {&adroit, &shadow}) {
     MjcfHand model = hand();
     const bool is_shadow = hand == &shadow;
-    const std::vector<HandPoint> points = {model.point(is_shadow ? "rh_thdistal" : "S_thtip"),
-                                           model.point(is_shadow ? "rh_lfmiddle" : "lfmiddle")};
+    const std::vector<hand::HandPoint> points = {
+        model.point(is_shadow ? "rh_thdistal" : "S_thtip"),
+        model.point(is_shadow ? "rh_lfmiddle" : "lfmiddle")};
     RandomStream random(5);
     const Eigen::VectorXd q = random_joints(model, random);
     const auto here = model.evaluate(q, points);

@@ -8,6 +8,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/shadow.hpp"
+#include "palpate/simulation/hand/mjcf_hand.hpp"
 #include "palpate/tasks/relocate/synthetic_human.hpp"
 
 namespace palpate::relocate {
@@ -97,7 +98,7 @@ TEST(Demonstration, RefusesASequenceWithoutObject) {
   auto sequence = synthetic_relocation({-0.06, 0, 0.035}, {0, 0, 0.2}, {}, random);
   sequence.T_hand_object.pop_back();
   learning::Retargeter retargeter(
-      simulation::MjcfHand(asset("adroit_hand/adroit_relocate.xml"), "palm"),
+      std::make_unique<simulation::MjcfHand>(asset("adroit_hand/adroit_relocate.xml"), "palm"),
       learning::adroit_points());
   RelocateDynamics dynamics(model);
   EXPECT_THROW(translate(sequence, retargeter, dynamics, {}), BadInput);

@@ -28,7 +28,7 @@ TaskOptions fast(const std::string& object = "mug") {
 Eigen::Matrix3Xd last_links(const char* mjcf, const std::string& prefix,
                             const std::vector<double>& joints) {
   simulation::MjcfHand hand(asset(mjcf), prefix + "palm");
-  std::vector<simulation::HandPoint> points;
+  std::vector<hand::HandPoint> points;
   for (const char* finger : {"ff", "mf", "rf", "lf", "th"}) {
     points.push_back(hand.point(prefix + finger + "distal"));
   }

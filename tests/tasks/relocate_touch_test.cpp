@@ -26,7 +26,7 @@ TEST(RelocateTouch, TheHandMovesAsTheSimulatorMovesIt) {
   simulation::MjcfHand oracle(asset("adroit_hand/adroit_relocate.xml"), "forearm");
   const std::vector<std::string> names = {"thdistal", "ffdistal", "mfdistal", "rfdistal",
                                           "lfdistal"};
-  std::vector<simulation::HandPoint> points;
+  std::vector<hand::HandPoint> points;
   for (const auto& name : names) points.push_back(oracle.point(name));
   RandomStream random(4);
   for (int trial = 0; trial < 20; ++trial) {

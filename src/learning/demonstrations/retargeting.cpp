@@ -18,8 +18,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using hand::FingerName;
+using hand::HandPoint;
 using learning::HandKeypoints;
-using simulation::HandPoint;
 
 constexpr double kMinTip = 0.7;        // of its link; a link's center is at about one half
 constexpr double kLargestTurn = 0.15;  // rad, of the root against the human's palm
@@ -58,7 +58,7 @@ RetargetPoints adroit_points() {
 /// The objective of one frame (eq. 7.8) over the joints and the root's turn w: the robot's vectors
 /// in the human palm's frame are exp(w) R_palm_root p_root.
 struct Retargeter::Problem {
-  simulation::MjcfHand& hand;
+  hand::PointKinematics& hand;
   const std::vector<HandPoint>& points;
   Matrix3d R_palm_root;
   Vectors wanted;
@@ -100,23 +100,23 @@ struct Retargeter::Problem {
   }
 };
 
-Retargeter::Retargeter(simulation::MjcfHand hand, const RetargetPoints& points,
+Retargeter::Retargeter(std::unique_ptr<hand::PointKinematics> hand, const RetargetPoints& points,
                        const RetargetOptions& options)
     : hand_(std::move(hand)), options_(options) {
   for (const auto& tip : points.tips) {
-    points_.push_back(hand_.point(tip));
-    const double share = hand_.share_of_link(points_.back());
+    points_.push_back(hand_->point(tip));
+    const double share = hand_->share_of_link(points_.back());
     if (share < kMinTip) {
       throw BadInput(fmt::format(
           "the fingertip '{}' lies at {:.0f} % of its link, not at the end: name a site there", tip,
           100 * share));
     }
   }
-  for (const auto& middle : points.middles) points_.push_back(hand_.point(middle));
-  for (const auto& knuckle : points.knuckles) knuckles_.push_back(hand_.point(knuckle));
+  for (const auto& middle : points.middles) points_.push_back(hand_->point(middle));
+  for (const auto& knuckle : points.knuckles) knuckles_.push_back(hand_->point(knuckle));
   const VectorXd rest =
-      VectorXd::Zero(hand_.lower().size()).cwiseMax(hand_.lower()).cwiseMin(hand_.upper());
-  const auto at_rest = hand_.evaluate(rest, knuckles_).positions;
+      VectorXd::Zero(hand_->lower().size()).cwiseMax(hand_->lower()).cwiseMin(hand_->upper());
+  const auto at_rest = hand_->evaluate(rest, knuckles_).positions;
   R_root_palm_ =
       learning::palm_frame(Vector3d::Zero(), at_rest.col(0), at_rest.col(1), at_rest.col(2));
   palm_length_ = at_rest.col(1).norm();
@@ -124,7 +124,7 @@ Retargeter::Retargeter(simulation::MjcfHand hand, const RetargetPoints& points,
 
 void Retargeter::solve(const HandKeypoints& human, double alpha, double largest_step) {
   const Eigen::Index n = state_.size(), joints = n - kRootCoordinates;
-  Problem problem{hand_,
+  Problem problem{*hand_,
                   points_,
                   R_root_palm_.transpose(),
                   human_vectors(human, learning::palm_frame(human), scale_),
@@ -132,9 +132,9 @@ void Retargeter::solve(const HandKeypoints& human, double alpha, double largest_
                   alpha};
   VectorXd lower(n), upper(n);
   const double room = started_ ? 0 : kLargestOffset;
-  lower << (state_.head(joints).array() - largest_step).matrix().cwiseMax(hand_.lower()),
+  lower << (state_.head(joints).array() - largest_step).matrix().cwiseMax(hand_->lower()),
       Vector3d::Constant(-kLargestTurn), state_.tail<3>() - Vector3d::Constant(room);
-  upper << (state_.head(joints).array() + largest_step).matrix().cwiseMin(hand_.upper()),
+  upper << (state_.head(joints).array() + largest_step).matrix().cwiseMin(hand_->upper()),
       Vector3d::Constant(kLargestTurn), state_.tail<3>() + Vector3d::Constant(room);
   const Optimizer optimizer(nlopt_create(NLOPT_LD_SLSQP, static_cast<unsigned>(n)));
   nlopt_set_min_objective(optimizer.get(), Problem::callback, &problem);
@@ -152,8 +152,8 @@ void Retargeter::solve(const HandKeypoints& human, double alpha, double largest_
 void Retargeter::start(const HandKeypoints& human) {
   const Vector3d palm = human.col(learning::keypoint(FingerName::middle, 0)) - human.col(0);
   scale_ = options_.scale > 0 ? options_.scale : palm_length_ / palm.norm();
-  state_ = VectorXd::Zero(hand_.lower().size() + kRootCoordinates);
-  state_.head(hand_.lower().size()) = 0.5 * (hand_.lower() + hand_.upper());
+  state_ = VectorXd::Zero(hand_->lower().size() + kRootCoordinates);
+  state_.head(hand_->lower().size()) = 0.5 * (hand_->lower() + hand_->upper());
   for (int i = 0; i < kFirstSolves; ++i) solve(human, options_.alpha, kFirstStep);
   started_ = true;
 }
@@ -163,9 +163,9 @@ RetargetedFrame Retargeter::next(const HandKeypoints& human) {
   if (!started_) start(human);
   solve(human, options_.alpha, options_.largest_step);
   const Matrix3d R_world_palm = learning::palm_frame(human);
-  const Eigen::Index n = hand_.lower().size();
+  const Eigen::Index n = hand_->lower().size();
   const Matrix3d R = exp_so3(state_.segment<3>(n)) * R_root_palm_.transpose();
-  const Vectors robot = R * hand_.evaluate(state_.head(n), points_).positions;
+  const Vectors robot = R * hand_->evaluate(state_.head(n), points_).positions;
   const Vectors error =
       (robot.colwise() + state_.tail<3>()) - human_vectors(human, R_world_palm, scale_);
   RetargetedFrame frame;

@@ -14,6 +14,9 @@
 namespace palpate::simulation {
 namespace {
 
+using hand::HandPoint;
+using hand::HandPoints;
+
 constexpr double kEndless = 1e3;  // rad, for a joint without limits
 
 ModelHandle load(const std::filesystem::path& mjcf) {

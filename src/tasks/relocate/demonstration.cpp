@@ -9,6 +9,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/parallel.hpp"
+#include "palpate/simulation/hand/mjcf_hand.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -171,7 +172,7 @@ Demonstration synthetic_demonstration(const RelocateModel& model,
   RandomStream random = RandomStream(seed, "synthetic human").fork("sequence", index);
   const Vector3d object(start.object.x(), start.object.y(), rest_height);
   const auto sequence = synthetic_relocation(object, start.target, options.human, random);
-  learning::Retargeter retargeter(simulation::MjcfHand(asset(kHand), "palm"),
+  learning::Retargeter retargeter(std::make_unique<simulation::MjcfHand>(asset(kHand), "palm"),
                                   learning::adroit_points(), options.translation.retarget);
   RelocateDynamics dynamics(model);
   const auto motion = translate(sequence, retargeter, dynamics, options.translation);

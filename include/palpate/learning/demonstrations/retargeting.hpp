@@ -2,11 +2,12 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "palpate/hand/point_kinematics.hpp"
 #include "palpate/learning/demonstrations/human_hand.hpp"
-#include "palpate/simulation/hand/mjcf_hand.hpp"
 
 namespace palpate::learning {
 
@@ -53,7 +54,7 @@ struct RetargetedFrame {
 class Retargeter {
  public:
   /// @throws BadInput for a point that the hand lacks, or a tip that is not near its link's end
-  Retargeter(simulation::MjcfHand hand, const RetargetPoints& points,
+  Retargeter(std::unique_ptr<hand::PointKinematics> hand, const RetargetPoints& points,
              const RetargetOptions& options = {});
 
   /// The next frame of a motion. In the first one nothing holds the joints where they were.
@@ -63,17 +64,17 @@ class Retargeter {
   /// Forgets the motion so far.
   void restart() { started_ = false; }
 
-  const simulation::MjcfHand& hand() const { return hand_; }
+  const hand::PointKinematics& hand() const { return *hand_; }
 
  private:
   struct Problem;
   void solve(const learning::HandKeypoints& human, double alpha, double largest_step);
   void start(const learning::HandKeypoints& human);
 
-  simulation::MjcfHand hand_;
+  std::unique_ptr<hand::PointKinematics> hand_;
   RetargetOptions options_;
-  std::vector<simulation::HandPoint> points_;  // tips, then middle joints
-  std::vector<simulation::HandPoint> knuckles_;
+  std::vector<hand::HandPoint> points_;  // tips, then middle joints
+  std::vector<hand::HandPoint> knuckles_;
   Eigen::Matrix3d R_root_palm_;  // of the frame that the knuckles span
   double palm_length_ = 0;
   double scale_ = 1;
