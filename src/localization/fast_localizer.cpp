@@ -61,12 +61,13 @@ bool tight(const Mode& mode, const Symmetries& symmetries) {
 std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Evidence& evidence,
                                 RandomStream random, const LocalizerOptions& search,
                                 const FastOptions& options) {
-  const EnergyMaker energy_at(model, evidence, search.contact_offset);
+  const EnergyMaker energy_at(model, evidence, search);
   const auto proposal = make_proposal(model, evidence, search);
   const SymmetryGroup symmetries(model.object().symmetries);
   const auto basins = find_basins(
       *proposal, energy_at, symmetries,
-      {options.proposals, options.starts, search.first_scale, half_turns(model.object())}, random);
+      {options.proposals, options.starts, energy_at.first_scale(), half_turns(model.object())},
+      random);
   if (basins.empty()) return {};
   const auto modes = modes_of(basins, symmetries, static_cast<std::size_t>(search.modes));
   const Basin& best = basins.front();

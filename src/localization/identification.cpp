@@ -103,7 +103,7 @@ double log_marginal_likelihood(const geometry::ObjectModel& model, const Evidenc
   if (posterior.modes.empty()) return kNever;
   const Evidence used = thinned(with_surface_error(evidence));
   const PoseMixture mixture(covering(posterior, posed_off));
-  const Energy energy = EnergyMaker(model, used, options.contact_offset)(1);
+  const Energy energy = EnergyMaker(model, used, options)(1);
   const auto symmetries = alike(model, used);
   std::vector<double> logs;
   for (int i = 0; i < kSamples; ++i) {

@@ -56,12 +56,14 @@ class Sampler {
   Sampler(const geometry::ObjectModel& model, const Evidence& evidence,
           const LocalizerOptions& options)
       : options_(options),
-        energy_at_(model, evidence, options.contact_offset),
+        energy_at_(model, evidence, options),
         proposal_(make_proposal(model, evidence, options)),
         moves_(model, evidence),
         symmetries_(model.object().symmetries),
         half_turns_(half_turns(model.object())),
-        many_contacts_(many_contacts(evidence, options)) {}
+        many_contacts_(many_contacts(evidence, options)) {
+    options_.first_scale = energy_at_.first_scale();
+  }
 
   const PoseFamily::Symmetries& symmetries() const { return symmetries_; }
 

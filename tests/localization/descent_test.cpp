@@ -62,7 +62,7 @@ TEST(Descent, FindsTheTwinThatNoProposalLeadsTo) {
   Eigen::Isometry3d twin = truth;
   twin.linear() = truth.linear() * Eigen::Vector3d(-1, -1, 1).asDiagonal();
   const NarrowProposal proposal(twin);
-  const EnergyMaker energy_at(model, evidence, 0.003);
+  const EnergyMaker energy_at(model, evidence, LocalizerOptions{});
   const SymmetryGroup symmetries({Eigen::Matrix3d::Identity()});
   DescentOptions options{.proposals = 50, .starts = 10, .first_scale = 3};
   const auto error_of_best = [&] {
@@ -75,6 +75,43 @@ TEST(Descent, FindsTheTwinThatNoProposalLeadsTo) {
   options.near_symmetries = half_turns(model.object());
   EXPECT_LT(error_of_best().rotation, 0.02);
   EXPECT_LT(error_of_best().translation, 0.002);
+}
+
+TEST(EnergyMaker, ExactContactsStartAsWideAsOthers) {
+  const geometry::ObjectModel model(wedge());
+  Evidence evidence;
+  tactile::Contact contact;
+  contact.p = {0, 0.025, 0};
+  contact.n = {0, 1, 0};
+  contact.normal_sigma = 0.1;
+  evidence.contacts.push_back(contact);
+  evidence.noise_scale_prior = evidence.size_prior = 0;
+  const SearchPose off{Eigen::Matrix3f::Identity(), {0, 0.003F, 0}};
+  const auto misfit_at_start = [&](double point_sigma) {
+    evidence.contacts[0].point_sigma = point_sigma;
+    const EnergyMaker energy_at(model, evidence, LocalizerOptions{});
+    const Energy start = energy_at(energy_at.first_scale());
+    return start(off) - start(SearchPose{Eigen::Matrix3f::Identity(), Eigen::Vector3f::Zero()});
+  };
+  const float usual = misfit_at_start(0.001);
+  EXPECT_NEAR(usual, 0.5, 0.05);  // of one standard deviation
+  EXPECT_NEAR(misfit_at_start(0.00001), usual, 0.01);
+  EXPECT_NEAR(misfit_at_start(0.002), 0.125, 0.03);
+}
+
+TEST(EnergyMaker, TheLastScaleIsTheStatedNoise) {
+  const geometry::ObjectModel model(wedge());
+  Evidence evidence;
+  tactile::Contact contact;
+  contact.p = {0, 0.025, 0};
+  contact.point_sigma = 0.00001;
+  evidence.contacts.push_back(contact);
+  LocalizerOptions narrow;
+  narrow.first_point_sigma = 0;
+  const SearchPose off{Eigen::Matrix3f::Identity(), {0, 0.00001F, 0}};
+  EXPECT_EQ(EnergyMaker(model, evidence, {})(1)(off), EnergyMaker(model, evidence, narrow)(1)(off));
+  EXPECT_EQ(EnergyMaker(model, evidence, narrow).first_scale(), 3);
+  EXPECT_NEAR(EnergyMaker(model, evidence, {}).first_scale(), 300, 1e-9);
 }
 
 }  // namespace

@@ -38,7 +38,8 @@ struct EstimationOptions {
       0.003;                         ///< m, unsensed moment about a contact's normal by its force
   bool free_space = true;            ///< use that the hand's links do not penetrate the object
   double penetration_sigma = 0.004;  ///< m
-  localization::LocalizerOptions search;
+  /// The hand's contacts are no more exact than half a millimetre, and start with three times that.
+  localization::LocalizerOptions search{.first_point_sigma = 0.0015};
   localization::IdentificationOptions identify;  ///< which of several objects it is
 
   template <class Visitor>
@@ -72,7 +73,8 @@ struct EstimationOptions {
     v.expert("height_sigma", height_sigma, 1e-4, 0.1,
              "m, by which the closing hand raises the object");
     v.expert("surface_sigma", surface_sigma, 0.0, 0.01, "m, error of the mesh's surface");
-    v("half_width", half_width, 0.0, 0.3, "m, half width of the prior on the object's position");
+    v.expert("half_width", half_width, 0.0, 0.3,
+             "m, half width of the prior on the position of an object that was grasped unexplored");
     v("false_contacts", false_contacts, 1e-6, 0.9, "prior probability that a contact is spurious");
     v("balance", balance,
       "use as evidence that the finger forces balance the weight of the held object");

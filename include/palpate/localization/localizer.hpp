@@ -15,6 +15,9 @@ struct LocalizerOptions {
   int starts = 200;          ///< best proposals that are refined before the sampling
   int modes = 16;            ///< reported at most
   double first_scale = 3.0;  ///< noise scale at which the search starts
+  /// Least error of a contact point at which it starts, m: the basins of more exact contacts are so
+  /// narrow that it would miss some.
+  double first_point_sigma = 0.003;
   double contact_offset =
       0.003;  ///< distance outside the surface at which contacts are compared, m
 
@@ -26,6 +29,8 @@ struct LocalizerOptions {
     v.expert("starts", starts, 0, 100000, "number of best proposals that are refined");
     v("modes", modes, 1, 1000, "number of modes reported at most");
     v.expert("first_scale", first_scale, 1.0, 20.0, "noise scale at which the search starts");
+    v.expert("first_point_sigma", first_point_sigma, 0.0, 0.1,
+             "m, least error of a contact point at which the search starts");
     v.expert("contact_offset", contact_offset, 0.0, 0.02,
              "m, distance outside the surface at which contacts are compared");
   }

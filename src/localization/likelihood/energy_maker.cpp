@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localization/likelihood/energy_maker.hpp"
 
+#include <algorithm>
+
 #include "localization/likelihood/balance_term.hpp"
 #include "localization/likelihood/contact_term.hpp"
 #include "localization/likelihood/plane_term.hpp"
@@ -17,14 +19,38 @@ constexpr double kUncontestedFloor = 1e-12;
 }  // namespace
 
 EnergyMaker::EnergyMaker(const geometry::ObjectModel& model, const Evidence& evidence,
-                         double contact_offset)
-    : model_(model), evidence_(evidence), contact_offset_(contact_offset) {
+                         const LocalizerOptions& options)
+    : model_(model),
+      evidence_(evidence),
+      contact_offset_(options.contact_offset),
+      usual_first_scale_(options.first_scale),
+      first_point_sigma_(options.first_point_sigma) {
   if (evidence.prior) prior_ = std::make_shared<const PoseMixture>(*evidence.prior);
   if (evidence.free_space.empty()) return;
   balls_ = std::make_shared<const FreeSpaceTerm::Balls>(model, evidence);
 }
 
+double EnergyMaker::first_scale() const {
+  double first = usual_first_scale_;
+  for (const tactile::Contact& contact : evidence_.contacts) {
+    first = std::max(first, first_point_sigma_ / contact.point_sigma);
+  }
+  return first;
+}
+
+/// Of a scale beyond the usual first one it is only exact contacts that are wider for it.
+Evidence EnergyMaker::widened(double scale) const {
+  Evidence evidence = evidence_;
+  for (tactile::Contact& contact : evidence.contacts) {
+    if (usual_first_scale_ * contact.point_sigma >= first_point_sigma_) continue;
+    contact.point_sigma = std::min(scale * contact.point_sigma, first_point_sigma_) /
+                          std::min(scale, usual_first_scale_);
+  }
+  return evidence;
+}
+
 Energy EnergyMaker::operator()(double scale) const {
+  const double usual = std::min(scale, usual_first_scale_);
   Energy energy;  // cheap and telling terms first
   if (prior_) {
     const double floor = evidence_.contacts.empty() ? kUncontestedFloor : evidence_.prior->floor;
@@ -32,15 +58,15 @@ Energy EnergyMaker::operator()(double scale) const {
   }
   if (evidence_.table) energy.add(std::make_unique<TableTerm>(model_, *evidence_.table));
   if (evidence_.balance) {
-    energy.add(std::make_unique<BalanceTerm>(model_, *evidence_.balance, scale));
+    energy.add(std::make_unique<BalanceTerm>(model_, *evidence_.balance, usual));
   }
   if (!evidence_.planes.empty()) {
-    energy.add(std::make_unique<PlaneTerm>(model_, evidence_, scale));
+    energy.add(std::make_unique<PlaneTerm>(model_, evidence_, usual));
   }
   if (!evidence_.contacts.empty()) {
-    energy.add(std::make_unique<ContactTerm>(model_, evidence_, contact_offset_, scale));
+    energy.add(std::make_unique<ContactTerm>(model_, widened(scale), contact_offset_, usual));
   }
-  if (balls_) energy.add(std::make_unique<FreeSpaceTerm>(model_, evidence_, balls_, scale));
+  if (balls_) energy.add(std::make_unique<FreeSpaceTerm>(model_, evidence_, balls_, usual));
   return energy;
 }
 

@@ -13,14 +13,21 @@ namespace palpate::localization {
 /// Builds the sum of the terms that the evidence calls for, at any noise scale.
 class EnergyMaker {
  public:
-  EnergyMaker(const geometry::ObjectModel& model, const Evidence& evidence, double contact_offset);
+  EnergyMaker(const geometry::ObjectModel& model, const Evidence& evidence,
+              const LocalizerOptions& options);
 
   Energy operator()(double scale) const;
 
+  /// Noise scale at which the search starts: the usual one, or greater for exact contacts.
+  double first_scale() const;
+
  private:
+  Evidence widened(double scale) const;
+
   const geometry::ObjectModel& model_;
   const Evidence& evidence_;
   double contact_offset_;
+  double usual_first_scale_, first_point_sigma_;
   std::shared_ptr<const PoseMixture> prior_;
   std::shared_ptr<const FreeSpaceTerm::Balls> balls_;
 };

@@ -187,6 +187,7 @@ std::vector<std::optional<BiotacNormalModel::Prediction>> BiotacNormalModel::pre
           changes[next].allFinite() && rests[next].allFinite() && changes[next][0] > 0;
       if (usable) batch.push_back(next);
     }
+    if (batch.empty()) continue;
     Eigen::MatrixXd inputs(kNormalFeatures, std::ssize(batch));
     for (std::size_t k = 0; k < batch.size(); ++k) {
       inputs.col(static_cast<Eigen::Index>(k)) = features(changes[batch[k]], rests[batch[k]]);
