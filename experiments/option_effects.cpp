@@ -80,7 +80,7 @@ struct OtherValues {
                high = std::min(static_cast<double>(option.high), low + 1e4);
     std::vector<std::string> others;
     for (const double other : {low, 2 * value, value / 2, (low + 3 * value) / 4, (low + high) / 2,
-                               high, low + 1e-6 * (high - low)}) {
+                               high, low + 1e-6 * (high - low), low + 1, low + 2, low + 3}) {
       const double rounded = std::is_integral_v<Number> ? std::round(other) : other;
       if (rounded != value && rounded >= low && rounded <= high) {
         others.push_back(fmt::format("{}", rounded));

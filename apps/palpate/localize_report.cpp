@@ -104,6 +104,7 @@ nlohmann::json report_of(const LocalizeResult& result) {
           {"modes", modes},
           {"residual_mass", result.posterior.residual_mass()},
           {"residual_set", residual_set},
+          {"credible_mass", result.posterior.credible_mass},
           {"method", result.method},
           {"hint", result.hint},
           {"repairs", result.repairs},
@@ -139,6 +140,11 @@ void print_result(const LocalizeResult& result) {
   if (rest == 0) return;
   fmt::print("{:6.3f}  elsewhere, most of it about {} poses (--json lists them)\n",
              result.posterior.residual_mass(), rest);
+  if (result.posterior.credible_mass < lo::kCredible) {
+    fmt::print(
+        "the samples are too few for a 95 % set: all these poses together hold about {:.0f} %\n",
+        100 * result.posterior.credible_mass);
+  }
 }
 
 }  // namespace palpate::app

@@ -109,6 +109,7 @@ SearchOutcome search_pose(const SearchSubject& subject, const Evidence& evidence
   const PoseError error = pose_error(best.T_frame_object, truth, symmetries);
   outcome.right = error.rotation < kMaxRotation && error.translation < kMaxTranslation;
   outcome.covered = truth_in_credible_set(posterior, truth, symmetries);
+  outcome.set_mass = posterior.credible_mass;
   outcome.certain = posterior.status == PoseStatus::certain;
   return outcome;
 }
@@ -116,7 +117,7 @@ SearchOutcome search_pose(const SearchSubject& subject, const Evidence& evidence
 std::vector<std::string> search_columns(std::vector<std::string> names) {
   for (const char* column :
        {"scenes", "right", "stated", "stated > 0.9, wrong", "certain", "no pose",
-        "truth in the 95 % set", "calibration", "ms: median, 90 %, most"}) {
+        "truth in the 95 % set", "its stated mass", "calibration", "ms: median, 90 %, most"}) {
     names.emplace_back(column);
   }
   return names;
@@ -134,7 +135,9 @@ std::vector<std::string> search_row(std::vector<std::string> names,
         std::to_string(sure_and_wrong),
         fmt::format("{:.3f}", mean_of(outcomes, &SearchOutcome::certain)),
         fmt::format("{:.3f}", mean_of(outcomes, &SearchOutcome::no_pose)),
-        rate(outcomes, &SearchOutcome::covered), fmt::format("{:.3f}", calibration_error(outcomes)),
+        rate(outcomes, &SearchOutcome::covered),
+        fmt::format("{:.3f}", mean_of(outcomes, &SearchOutcome::set_mass)),
+        fmt::format("{:.3f}", calibration_error(outcomes)),
         fmt::format("{:.0f}, {:.0f}, {:.0f}", median(ms), quantile(ms, 0.9), quantile(ms, 1))}) {
     names.push_back(cell);
   }

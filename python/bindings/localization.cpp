@@ -169,6 +169,10 @@ void bind_posterior(nb::module_& module) {
           "Where the modes hold less than 95 %: poses (4, 4) whose surroundings hold the "
           "rest up to there.")
       .def_prop_ro(
+          "credible_mass", [](const Posterior& self) { return self.found.credible_mass; },
+          "Posterior mass of the modes and the residual set together: 0.95, or, where the samples "
+          "hold less, an estimate of what they hold.")
+      .def_prop_ro(
           "residual_mass", [](const Posterior& self) { return self.found.residual_mass(); },
           "What the modes' weights lack of 1.")
       .def_prop_ro(

@@ -34,7 +34,7 @@ struct Fields<Mode> {
 template <>
 struct Fields<localization::Posterior> {
   static auto of(localization::Posterior& it) {
-    return std::tie(it.status, it.modes, it.residual_set, it.seconds);
+    return std::tie(it.status, it.modes, it.residual_set, it.credible_mass, it.seconds);
   }
 };
 template <>

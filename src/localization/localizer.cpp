@@ -166,7 +166,9 @@ Posterior search(const geometry::ObjectModel& model, const Evidence& evidence,
     append(choosing, sample.more(basins, random.fork("more"), 1));
     append(weighing, sample.more(basins, random.fork("more weighing"), kWeighingShare));
   }
-  posterior.residual_set = residual_set(posterior.modes, choosing, weighing, sample.symmetries());
+  auto rest = residual_set(posterior.modes, choosing, weighing, sample.symmetries());
+  posterior.residual_set = std::move(rest.poses);
+  posterior.credible_mass = rest.credible_mass;
   posterior.status = status_of(posterior.modes);
   return posterior;
 }

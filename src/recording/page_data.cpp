@@ -44,6 +44,7 @@ void append_contacts(const hand::HandReading& reading, const hand::Description& 
                      const std::vector<Eigen::Isometry3d>& T_world_links, Series& series) {
   std::uint32_t count = 0;
   for (std::size_t finger = 0; finger < hand.fingers.size(); ++finger) {
+    if (reading.contacts[finger].empty()) continue;  // a hand may be described without links
     const auto& T = T_world_links[static_cast<std::size_t>(hand.fingers[finger].link)];
     for (const auto& contact : reading.contacts[finger]) {
       append(T * contact.p, series.contacts);

@@ -63,6 +63,8 @@ class Localize(CliTest):
         self.assertLess(listed, 0.95)
         self.assertAlmostEqual(result["residual_mass"], 1 - listed)
         self.assertGreater(len(result["residual_set"]), 0)
+        self.assertGreater(result["credible_mass"], listed)
+        self.assertLessEqual(result["credible_mass"], 0.95)
         self.assertTrue(all(len(pose) == 16 for pose in result["residual_set"]))
         certain = self.localize(contacts_on_box(18))
         self.assertEqual(certain["residual_set"], [])

@@ -44,18 +44,20 @@ TEST(UnseenShare, IsOfThePosesFarFromAllOthers) {
 }
 
 TEST(ResidualSet, IsEmptyWhereTheModesHoldEnough) {
-  EXPECT_TRUE(residual_set({mode_at(0)}, places({90, 10}), places({95, 5}), kNone).empty());
+  EXPECT_TRUE(residual_set({mode_at(0)}, places({90, 10}), places({95, 5}), kNone).poses.empty());
 }
 
 TEST(ResidualSet, HoldTheRestOfTheOtherPopulationUpToTheCredibleShare) {
   const auto rest =
       residual_set({mode_at(0)}, places({50, 10, 30, 8, 2}), places({50, 12, 30, 4, 4}), kNone);
-  EXPECT_EQ(places_of(rest), (std::vector<int>{2, 1, 3}));  // 30 and 12 and 4 besides 50
+  EXPECT_EQ(places_of(rest.poses), (std::vector<int>{2, 1, 3}));  // 30 and 12 and 4 besides 50
+  EXPECT_EQ(rest.credible_mass, 0.95);
 }
 
 TEST(ResidualSet, AreAllThereAreWhereTheFirstPopulationMissedTooMany) {
   const auto rest = residual_set({mode_at(0)}, places({60, 40}), places({60, 20, 0, 5, 15}), kNone);
-  EXPECT_EQ(places_of(rest), (std::vector<int>{1, 4, 3}));
+  EXPECT_EQ(places_of(rest.poses), (std::vector<int>{1, 4, 3}));
+  EXPECT_NEAR(rest.credible_mass, 0.8, 1e-12);  // what the poses of the first hold
 }
 
 TEST(ResidualSet, HoldTheTruthAsOftenAsTheySay) {

@@ -42,7 +42,7 @@ std::vector<T> decoded(const std::string& text) {
     bytes += static_cast<char>(bits >> count & 0xff);
   }
   std::vector<T> values(bytes.size() / sizeof(T));
-  std::memcpy(values.data(), bytes.data(), bytes.size());
+  if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
   return values;
 }
 

@@ -21,9 +21,6 @@ struct PosePoint {
   Eigen::Isometry3d isometry() const { return Eigen::Translation3d(t) * q; }
 };
 
-/// Of the probability, that the set of poses holds which is called credible.
-inline constexpr double kCredible = 0.95;
-
 /// How close poses must be to count as the same.
 struct PoseTolerance {
   double rotation = 0.0872664625997165;  ///< 5 deg

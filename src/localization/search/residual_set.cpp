@@ -43,9 +43,8 @@ double unseen_share(const Poses& poses, const Poses& others,
   return static_cast<double>(unseen) / static_cast<double>(poses.size());
 }
 
-std::vector<Eigen::Isometry3d> residual_set(const std::vector<Mode>& modes, const Poses& chosen_on,
-                                            const Poses& weighed_on,
-                                            const PoseFamily::Symmetries& symmetries) {
+ResidualSet residual_set(const std::vector<Mode>& modes, const Poses& chosen_on,
+                         const Poses& weighed_on, const PoseFamily::Symmetries& symmetries) {
   const double wanted = kCredible * static_cast<double>(weighed_on.size());
   Poses chosen = chosen_on, weighed = weighed_on;
   std::size_t held = 0;
@@ -53,16 +52,17 @@ std::vector<Eigen::Isometry3d> residual_set(const std::vector<Mode>& modes, cons
     held += take(family_of(mode), symmetries, weighed);
     take(family_of(mode), symmetries, chosen);
   }
-  std::vector<Eigen::Isometry3d> rest;
+  ResidualSet rest;
   if (static_cast<double>(held) >= wanted) return rest;
   for (const Ball& ball : cover(std::move(chosen), weighed, symmetries)) {
     if (static_cast<double>(held) >= wanted) return rest;
-    rest.push_back(ball.center.isometry());
+    rest.poses.push_back(ball.center.isometry());
     held += ball.weighed;
   }
+  rest.credible_mass = static_cast<double>(held) / static_cast<double>(weighed_on.size());
   Poses none;
   for (const Ball& ball : cover(std::move(weighed), none, symmetries)) {
-    rest.push_back(ball.center.isometry());
+    rest.poses.push_back(ball.center.isometry());
   }
   return rest;
 }

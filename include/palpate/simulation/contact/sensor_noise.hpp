@@ -15,7 +15,7 @@ struct SensorNoise {
   double mount_angle = 0;               ///< rad, of its attitude, per angle
   double mount_delay = 0;               ///< s, by which the mount's pose is old
   double touch_delay = 0;               ///< s, by which the contacts are old
-  double touch_threshold = 0;           ///< N, of a contact's normal force: less is not felt
+  double touch_threshold = 0;           ///< N, of a contact's normal force: less is not sensed
 
   static SensorNoise realistic();
 
