@@ -65,7 +65,8 @@ class Documentation(unittest.TestCase):
         """What of a result holds numbers says in which unit, but for what has none."""
         unit = r"\b(m|mm|rad|deg|s|N|kg|kg m\^2|m\^2|m\^3|N m/rad|N m s/rad|m/s|nats?)\b"
         without = {
-            "probability", "probabilities", "other", "weight", "weights", "residual_mass", "scale",
+            "probability", "probabilities", "other", "weight", "weights", "residual_mass",
+            "credible_mass", "scale",
             "false_alarms", "false_inliers", "stretch", "direction", "normal", "R_table_object",
             "symmetries"}  # fmt: skip
         poses = {"T_frame_object", "T_world_base", "T_parent_link", "T_target_source", "residual_set"}
