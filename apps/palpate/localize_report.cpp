@@ -138,11 +138,12 @@ void print_result(const LocalizeResult& result) {
   }
   const std::size_t rest = result.posterior.residual_set.size();
   if (rest == 0) return;
-  fmt::print("{:6.3f}  elsewhere, most of it about {} poses (--json lists them)\n",
-             result.posterior.residual_mass(), rest);
+  fmt::print("{:6.3f}  elsewhere ({} poses of it in --json)\n", result.posterior.residual_mass(),
+             rest);
   if (result.posterior.credible_mass < lo::kCredible) {
     fmt::print(
-        "the samples are too few for a 95 % set: all these poses together hold about {:.0f} %\n",
+        "the samples are too few for a 95 % set: modes and these poses hold some {:.0f} % or "
+        "more\n",
         100 * result.posterior.credible_mass);
   }
 }

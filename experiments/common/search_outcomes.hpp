@@ -39,7 +39,7 @@ struct SearchOutcome {
   double stated = 0;     ///< probability of the best pose
   bool right = false;    ///< it is within 5 deg and 10 mm, modulo symmetry
   bool covered = false;  ///< the truth is in the smallest set of poses that holds 95 %
-  double set_mass = 0;   ///< of that set, as stated
+  double set_mass = 0;   ///< of that set, as stated; 0 without a pose
   bool certain = false;  ///< as its status says
   bool no_pose = false;
   double seconds = 0;  ///< of the processor

@@ -170,8 +170,8 @@ void bind_posterior(nb::module_& module) {
           "rest up to there.")
       .def_prop_ro(
           "credible_mass", [](const Posterior& self) { return self.found.credible_mass; },
-          "Posterior mass of the modes and the residual set together: 0.95, or, where the samples "
-          "hold less, an estimate of what they hold.")
+          "Posterior mass of the modes and the residual set together: 0.95 or more, or, where "
+          "the samples hold less, a cautious estimate of what they hold; 0 without modes.")
       .def_prop_ro(
           "residual_mass", [](const Posterior& self) { return self.found.residual_mass(); },
           "What the modes' weights lack of 1.")

@@ -70,7 +70,7 @@ TrialMetrics Evaluator::metrics(const skills::PickResult& result, const estimati
       lowest = std::min(lowest, moments_[i].lowest_point);
     }
     metrics.tip_force = median_tip_force(log.readings[*held]);
-    metrics.lifted = lowest > kLifted && metrics.slip < kMaxSlip;
+    metrics.lifted = result.held && lowest > kLifted && metrics.slip < kMaxSlip;
   }
   const auto closed = log.all(estimation::TouchEvent::closed);
   if (!closed.empty()) {

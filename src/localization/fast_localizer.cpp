@@ -92,6 +92,7 @@ Posterior localize_fast(const geometry::ObjectModel& model, const Evidence& evid
     posterior.modes = settled_modes(model, thinned(with_surface_error(evidence)),
                                     random.fork("fast"), options, fast);
     posterior.status = status_of(posterior.modes);
+    if (!posterior.modes.empty()) posterior.credible_mass = 1 - posterior.residual_mass();
   }
   if (posterior.modes.empty()) posterior = localize(model, evidence, random, options);
   posterior.seconds = elapsed();

@@ -168,7 +168,7 @@ Posterior search(const geometry::ObjectModel& model, const Evidence& evidence,
   }
   auto rest = residual_set(posterior.modes, choosing, weighing, sample.symmetries());
   posterior.residual_set = std::move(rest.poses);
-  posterior.credible_mass = rest.credible_mass;
+  posterior.credible_mass = std::max(rest.credible_mass, 1 - posterior.residual_mass());
   posterior.status = status_of(posterior.modes);
   return posterior;
 }

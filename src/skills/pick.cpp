@@ -167,12 +167,12 @@ class Picking {
     result_.resting = state_.resting;
     if (result_.held) {
       result_.failed_phase.clear();
+      result_.estimate = state_.estimate;
     } else if (estimation::mean_load(robot_.log()) > kLeft * weight() ||
                !robot_.suspects().empty()) {
       release();       // nothing is left hanging
       only_doubted();  // a numb finger is named
     }
-    result_.estimate = state_.estimate;
     result_.objects = estimator_.probabilities();
   }
 

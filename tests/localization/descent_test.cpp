@@ -112,6 +112,8 @@ TEST(EnergyMaker, TheLastScaleIsTheStatedNoise) {
   EXPECT_EQ(EnergyMaker(model, evidence, {})(1)(off), EnergyMaker(model, evidence, narrow)(1)(off));
   EXPECT_EQ(EnergyMaker(model, evidence, narrow).first_scale(), 3);
   EXPECT_NEAR(EnergyMaker(model, evidence, {}).first_scale(), 300, 1e-9);
+  evidence.contacts[0].point_sigma = 1e-310;
+  EXPECT_NEAR(EnergyMaker(model, evidence, {}).first_scale(), 300, 1e-9);
 }
 
 }  // namespace

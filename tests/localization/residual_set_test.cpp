@@ -54,6 +54,12 @@ TEST(ResidualSet, HoldTheRestOfTheOtherPopulationUpToTheCredibleShare) {
   EXPECT_EQ(rest.credible_mass, 0.95);
 }
 
+TEST(ResidualSet, TheLastBallMayCompleteIt) {
+  const auto rest = residual_set({mode_at(0)}, places({60, 40}), places({60, 37, 3}), kNone);
+  EXPECT_EQ(places_of(rest.poses), (std::vector<int>{1}));
+  EXPECT_EQ(rest.credible_mass, 0.95);
+}
+
 TEST(ResidualSet, AreAllThereAreWhereTheFirstPopulationMissedTooMany) {
   const auto rest = residual_set({mode_at(0)}, places({60, 40}), places({60, 20, 0, 5, 15}), kNone);
   EXPECT_EQ(places_of(rest.poses), (std::vector<int>{1, 4, 3}));

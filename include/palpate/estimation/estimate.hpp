@@ -38,7 +38,7 @@ struct EstimationOptions {
       0.003;                         ///< m, unsensed moment about a contact's normal by its force
   bool free_space = true;            ///< use that the hand's links do not penetrate the object
   double penetration_sigma = 0.004;  ///< m
-  /// The hand's contacts are no more exact than half a millimetre, and start with three times that.
+  /// By default the hand's contacts have errors of 0.5 mm and more, so that this changes nothing.
   localization::LocalizerOptions search{.first_point_sigma = 0.0015};
   localization::IdentificationOptions identify;  ///< which of several objects it is
 

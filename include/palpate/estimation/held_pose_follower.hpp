@@ -18,7 +18,7 @@ struct HeldPoseOptions {
   double slip_share = 0.05;           ///< probability that it moves farther in a period
   double slip_rotation = 0.2;         ///< rad, sigma of a turn then, per axis
   double slip_translation = 0.008;    ///< m, of a way
-  /// Search where nothing is known.
+  /// Search where nothing is known, as EstimationOptions::search.
   localization::LocalizerOptions first{.first_point_sigma = 0.0015};
   EstimationOptions estimation = estimation_in_motion();  ///< and afterwards
 

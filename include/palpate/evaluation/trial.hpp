@@ -107,7 +107,7 @@ struct TrialOptions {
 
 /// What the simulator's truth says of a pick. Made after it, for judging alone.
 struct TrialMetrics {
-  bool lifted = false;  ///< 5 cm above the table for the whole hold, slipped less than 10 mm
+  bool lifted = false;  ///< held at last; for the hold 5 cm above the table, slipped below 10 mm
   double slip = 0;      ///< m, of the object in the hand during the hold
   bool has_pose = false;
   bool object_ok = false;  ///< the pose is of the object that it is; else it is never right

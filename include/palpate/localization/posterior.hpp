@@ -10,7 +10,7 @@
 
 namespace palpate::localization {
 
-/// Of the probability, that the set of poses holds which is called credible.
+/// Probability of the credible set.
 inline constexpr double kCredible = 0.95;
 
 /// A one-parameter family of equally credible poses: rotation about a line by -extent..+extent.
@@ -39,9 +39,9 @@ struct Posterior {
   /// The rest of the 95 % credible set where the modes hold less than that: centres of balls of
   /// 5 deg and 10 mm, heaviest first, or all that the samples form where those hold less, too.
   std::vector<Eigen::Isometry3d> residual_set;
-  /// Posterior mass of the modes and the residual set together: 0.95, or, where the samples hold
-  /// less, an estimate of what they hold.
-  double credible_mass = kCredible;
+  /// Posterior mass of the modes and the residual set together: 0.95 or more, or, where the samples
+  /// hold less, a cautious estimate of what they hold; 0 without modes.
+  double credible_mass = 0;
   double seconds = 0;  ///< wall time of the search
 
   /// Share of the posterior mass that is in none of the modes.

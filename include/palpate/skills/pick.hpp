@@ -68,7 +68,7 @@ struct PickResult {
       before_probe;  ///< in the closed hand, still on the table
   std::optional<estimation::HeldPoseEstimate> before_lift;  ///< there, with what probing told
   std::optional<estimation::Tracked> tracked;               ///< from there through the lift
-  estimation::HeldPoseEstimate estimate;
+  estimation::HeldPoseEstimate estimate;  ///< of what is held; without modes where nothing is
 };
 
 struct PlaceResult;

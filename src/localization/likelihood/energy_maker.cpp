@@ -15,6 +15,7 @@ namespace {
 /// Of a prior that no contact can overrule: the floor holds nearly everywhere, so without contacts
 /// most of the mass would be on it.
 constexpr double kUncontestedFloor = 1e-12;
+constexpr double kLeastSigma = 1e-5;  // m, of a point: what is less does not lengthen the search
 
 }  // namespace
 
@@ -33,12 +34,13 @@ EnergyMaker::EnergyMaker(const geometry::ObjectModel& model, const Evidence& evi
 double EnergyMaker::first_scale() const {
   double first = usual_first_scale_;
   for (const tactile::Contact& contact : evidence_.contacts) {
-    first = std::max(first, first_point_sigma_ / contact.point_sigma);
+    first = std::max(first, first_point_sigma_ / std::max(contact.point_sigma, kLeastSigma));
   }
   return first;
 }
 
-/// Of a scale beyond the usual first one it is only exact contacts that are wider for it.
+/// Beyond options.first_scale only the errors of contacts with a small stated error grow, and up to
+/// options.first_point_sigma.
 Evidence EnergyMaker::widened(double scale) const {
   Evidence evidence = evidence_;
   for (tactile::Contact& contact : evidence.contacts) {

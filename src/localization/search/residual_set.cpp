@@ -59,6 +59,7 @@ ResidualSet residual_set(const std::vector<Mode>& modes, const Poses& chosen_on,
     rest.poses.push_back(ball.center.isometry());
     held += ball.weighed;
   }
+  if (static_cast<double>(held) >= wanted) return rest;
   rest.credible_mass = static_cast<double>(held) / static_cast<double>(weighed_on.size());
   Poses none;
   for (const Ball& ball : cover(std::move(weighed), none, symmetries)) {

@@ -19,8 +19,8 @@ struct ResidualSet {
 
 /// Centres of balls (5 deg, 10 mm) that hold, beside the modes, the credible share of `weighed_on`,
 /// those first that hold the most of `chosen_on`. Where all poses of `chosen_on` hold less of the
-/// other, independent population than that, balls about the rest of this one follow, and the mass
-/// is what the others hold.
+/// other, independent population than that, balls about the rest of this one follow; the stated
+/// mass is then what the modes and the first balls hold.
 ResidualSet residual_set(const std::vector<Mode>& modes, const std::vector<PosePoint>& chosen_on,
                          const std::vector<PosePoint>& weighed_on,
                          const PoseFamily::Symmetries& symmetries);
