@@ -239,6 +239,18 @@ class Results(CliTest):
         self.assertEqual(files, ["config.toml", "recording.h5", "replay.html", "report.json"])
         self.run_json("view", "run/recording.h5", "--out", "pages")
 
+    def test_a_lost_object_has_no_pose(self):
+        """This bracket is lost on the table after its pose was certain."""
+        done = self.run_program("pick", "--object", "bracket", "--seed", "15015", "--json",
+                                "--quiet", "--out", "run", "--set", "attempts=2")  # fmt: skip
+        self.assertEqual(done.returncode, NO_SOLUTION, done.stderr)
+        report = json.loads(done.stdout)
+        self.assertEqual(report["failed_phase"], "touch_table")
+        self.assertIn("certain", {p["outcome"].split(" ")[0] for p in report["phases"]})
+        self.assertFalse(report["held"])
+        self.assertFalse(report["lifted"])
+        self.assertIsNone(report["estimate"])
+
     def assert_not_tried(self, report, reason):
         self.assertEqual((report["status"], report["failed_phase"]), ("failed", "refuse"))
         self.assertEqual([phase["name"] for phase in report["phases"]], ["refuse"])

@@ -6,6 +6,7 @@
 #include "core/error_message.hpp"
 #include "data.hpp"
 #include "palpate/core/assets.hpp"
+#include "palpate/hand/point_kinematics.hpp"
 #include "palpate/learning/demonstrations/human_sequence.hpp"
 #include "palpate/simulation/hand/mjcf_hand.hpp"
 
