@@ -162,7 +162,7 @@ int pick(const Ros2Arguments& arguments) {
   bridge::RemoteHand remote(participant, hand, arguments.interface, arguments.commands,
                             {.timeout = arguments.timeout, .positions = arguments.positions});
   say_ready(arguments, fmt::format("picking {} with {}", arguments.object, hand.name));
-  const simulation::SimulatedModels models(options.forward_model);
+  const simulation::SimulatedModels models(options.forward_model_options());
   skills::Executor robot(remote, hand, evaluation::waiting_command(hand), {}, &models,
                          {options.safety, interrupt.token()});
   const auto picked = skills::pick(robot, object, options.pick_options(), arguments.common.seed);

@@ -124,7 +124,7 @@ PickResult pick_with(const Robot& parts, SharedModel model, const TrialOptions& 
   {
     const nb::gil_scoped_release release;
     const auto target = target_of(result.model->object(), options, seed);
-    const simulation::SimulatedModels models(options.forward_model);
+    const simulation::SimulatedModels models(options.forward_model_options());
     hand::AssembledHand hand(parts.hand, parts.arm, mounted(parts),
                              {options.safety.watchdog, options.safety.max_gap});
     const hand::Description& description = parts.hand.description();

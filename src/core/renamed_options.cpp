@@ -86,7 +86,7 @@ struct Removal {
 constexpr std::string_view kPosture = "the postures are those of the hand's description";
 constexpr std::string_view kUnread = "the forward model never used it";
 constexpr std::string_view kExact = "the forward model has neither noise nor errors";
-constexpr std::array<Removal, 27> kRemoved{{
+constexpr std::array<Removal, 28> kRemoved{{
     {"palpation.rolls", "a held object is no longer rolled between the fingers"},
     {"estimation.errors.link", "the hand's description has the errors of its links"},
     {"grasp.steep_pitch", kPosture},
@@ -109,6 +109,7 @@ constexpr std::array<Removal, 27> kRemoved{{
     {"grasp.top.hold_torque.", kPosture},
     {"grasp.top.wait_for_all", kPosture},
     {"forward_model.hand", "the forward model is of the hand that the robot has"},
+    {"forward_model.hand_friction", "the forward model has the friction that planning assumes"},
     {"forward_model.biotacs", kUnread},
     {"forward_model.second_object", "the forward model holds the object alone"},
     {"forward_model.corrupted_truth", kUnread},

@@ -125,6 +125,12 @@ skills::PlaceOptions TrialOptions::place_options() const {
   return options;
 }
 
+simulation::ForwardModelOptions TrialOptions::forward_model_options() const {
+  simulation::ForwardModelOptions options = forward_model;
+  options.hand_friction = friction;
+  return options;
+}
+
 std::optional<skills::PlaceTarget> place_target(const geometry::KnownObject& object,
                                                 const skills::PlaceOptions& options,
                                                 std::uint64_t seed, std::size_t start_stable_pose) {
@@ -195,7 +201,7 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
   if (options.touch.from_biotacs()) {
     biotac_hand.emplace(faulty, world.hand_model(), tactile::shipped_biotac_inverse());
   }
-  const simulation::SimulatedModels models(options.forward_model);
+  const simulation::SimulatedModels models(options.forward_model_options());
   hand::Hand& sensed = biotac_hand ? static_cast<hand::Hand&>(*biotac_hand) : faulty;
   skills::Executor robot(sensed, world.hand_model(), waiting_command(world.hand_model()),
                          {[&](const auto& reading, const auto& command) {

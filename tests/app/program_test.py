@@ -189,11 +189,12 @@ class Options(CliTest):
     def test_the_forward_model_has_the_options_that_it_uses(self):
         text = self.run_program("options", "pick", "--expert").stdout
         self.assertEqual(re.findall(r"^expert\.forward_model\.(\S+)", text, re.MULTILINE),
-                         ["time_step", "hand_friction", "table_friction", "stiffness_scale", "exact_tips"])
+                         ["time_step", "table_friction", "stiffness_scale", "exact_tips"])
 
     def test_an_option_that_is_gone_is_refused_with_the_reason(self):
         for key, reason in (("grasp.top.pitch", "the postures are those of the hand's description"),
                             ("palpation.rolls", "a held object is no longer rolled between the fingers"),
+                            ("expert.forward_model.hand_friction", "the forward model has the friction that planning assumes"),
                             ("expert.forward_model.noise.joint", "the forward model has neither noise nor errors")):
             self.assert_refused(BAD_INPUT, ["pick", "--set", f"{key}=1"],
                                 f"option {key} is gone: {reason}; palpate options pick lists the options")

@@ -328,6 +328,19 @@ TEST(TrialOptions, DifferFromWhatTheRobotBelievesUnlessTheyAreIdeal) {
   EXPECT_EQ(to_toml(options), to_toml(TrialOptions::ideal()));
 }
 
+TEST(TrialOptions, BelieveOneFriction) {
+  TrialOptions options;
+  options.friction = 0.3;
+  const skills::PickOptions pick = options.pick_options();
+  EXPECT_EQ(pick.grasp.friction, 0.3);
+  EXPECT_EQ(pick.palpation.friction, 0.3);
+  EXPECT_EQ(options.place_options().fingers.reorient.friction, 0.3);
+  EXPECT_EQ(options.forward_model_options().hand_friction, 0.3);
+  // Where the object may still move in the hand, forces count on less.
+  EXPECT_EQ(pick.grasp.plan.friction, options.place_options().transport.friction);
+  EXPECT_LT(pick.grasp.plan.friction, 0.3);
+}
+
 TEST(TouchOptions, SayHowFarInferredContactsMayBeOff) {
   TrialOptions options = TrialOptions::ideal();
   EXPECT_EQ(options.pick_options().estimation.errors.point_floor,

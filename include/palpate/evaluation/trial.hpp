@@ -103,6 +103,8 @@ struct TrialOptions {
   [[nodiscard]] skills::PickOptions pick_options() const;
   /// With the believed friction.
   [[nodiscard]] skills::PlaceOptions place_options() const;
+  /// With the believed friction.
+  [[nodiscard]] simulation::ForwardModelOptions forward_model_options() const;
 };
 
 /// What the simulator's truth says of a pick. Made after it, for judging alone.

@@ -13,7 +13,7 @@ namespace palpate::simulation {
 /// believes but what is said here.
 struct ForwardModelOptions {
   double time_step = 0.002;      ///< s
-  double hand_friction = 0.8;    ///< sliding, hand against object
+  double hand_friction = 0.5;    ///< sliding, hand against object, as the robot believes it
   double table_friction = 0.5;   ///< sliding, object against table
   double stiffness_scale = 4.0;  ///< of the fingers' position controllers
   bool exact_tips = true;        ///< tips meet the true surface, the table its hull; else the parts
@@ -21,7 +21,6 @@ struct ForwardModelOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("time_step", time_step, 1e-4, 0.01, "s, time step of the physics");
-    v("hand_friction", hand_friction, 0.0, 5.0, "friction coefficient of hand and object");
     v("table_friction", table_friction, 0.0, 5.0, "friction coefficient of table and object");
     v("stiffness_scale", stiffness_scale, 0.1, 20.0,
       "factor on the stiffness of the fingers' position controllers");
