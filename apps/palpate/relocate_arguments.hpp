@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/tasks/relocate/policies/policy.hpp"
+#include "palpate/tasks/relocate/relocation.hpp"
 #include "palpate/tasks/relocate/rollout.hpp"
 
 namespace palpate::app {
@@ -21,6 +22,17 @@ struct RelocateOptions {
   void visit(Visitor&& v) {
     v.section("task", task);
     v.section("episode", episode);
+  }
+};
+
+/// What rollout lets a user set.
+struct RolloutOptions : RelocateOptions {
+  relocate::RelocationOptions touch;
+
+  template <class Visitor>
+  void visit(Visitor&& v) {
+    RelocateOptions::visit(v);
+    v.section("touch", touch);
   }
 };
 

@@ -11,12 +11,16 @@
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/recording/touch_log.hpp"
 #include "palpate/ros2/read_bag.hpp"
+#include "palpate/tasks/relocate/episode_recording.hpp"
+#include "relocate_arguments.hpp"
 #include "replay_bag.hpp"
 #include "replay_options.hpp"
 #include "terminal.hpp"
 
 namespace palpate::app {
 namespace {
+
+constexpr std::string_view kTracking = "touch.tracking.";
 
 struct ReplayArguments {
   CommonOptions common;
@@ -66,8 +70,39 @@ std::string end_of(const recording::Recording& recording) {
   return fmt::format("the recording ends in phase {} ({}); nothing was held", phase, how);
 }
 
+/// Options of the tracker of an episode, changed by --set.
+/// @throws BadInput for another value of what a replay does not read
+estimation::OnlineTrackerOptions tracker_options(const recording::Recording& recording,
+                                                 const CommonOptions& common,
+                                                 const std::string& name) {
+  RolloutOptions options;
+  parse_toml(recording.header.config_toml, name, options, Earlier::accepted);
+  if (!common.config.empty()) load_toml(common.config, options);
+  for (const auto& assignment : common.set) {
+    apply_setting(assignment, options);
+    if (assignment.starts_with(kTracking)) continue;
+    throw BadInput(
+        fmt::format("{}: of an episode by touch a replay reads {}* only, and does not "
+                    "change what was done and sensed",
+                    assignment, kTracking));
+  }
+  return options.touch.tracking;
+}
+
+Replayed replay_episode(const ReplayArguments& arguments, const recording::Recording& recording) {
+  if (recording.estimates.empty()) {
+    throw BadInput(fmt::format(
+        "{} is an episode with the true pose of the object: nothing was estimated in it (palpate "
+        "rollout --touch --record 1 records one by touch)",
+        arguments.recording));
+  }
+  const auto options = tracker_options(recording, arguments.common, arguments.recording);
+  return {relocate::replay_episode(recording, options), recording.frames.size(), ""};
+}
+
 Replayed replay_recording(const ReplayArguments& arguments) {
   const auto recording = recording::read_recording(arguments.recording);
+  if (relocate::is_episode(recording)) return replay_episode(arguments, recording);
   const auto options = replay_options(recording, arguments.common, arguments.recording);
   const geometry::ObjectModel object(recording.header.object);
   auto log = recording::event_log(recording).until(estimation::TouchEvent::held);

@@ -34,16 +34,6 @@ struct RolloutArguments {
   bool touch = false;
 };
 
-struct RolloutOptions : RelocateOptions {
-  relocate::RelocationOptions touch;
-
-  template <class Visitor>
-  void visit(Visitor&& v) {
-    RelocateOptions::visit(v);
-    v.section("touch", touch);
-  }
-};
-
 /// The episodes, and what touch knew in them, if the policy was told that.
 struct Rollout {
   std::vector<relocate::Episode> episodes;
@@ -80,6 +70,18 @@ class Runner {
     return result;
   }
 
+  /// Runs an episode again to keep what it looks like.
+  [[nodiscard]] recording::Recording record(const relocate::Policy& policy,
+                                            std::size_t index) const {
+    const std::uint64_t seed = arguments_.common.seed;
+    if (model_) {
+      return relocate::record_episode(options_.task, policy, options_.episode, seed, index);
+    }
+    recording::Recording recording;
+    relocation_->run(policy, options_.episode, seed, index, &recording);
+    return recording;
+  }
+
  private:
   const RolloutArguments& arguments_;
   const RolloutOptions& options_;
@@ -100,16 +102,16 @@ std::string config_text(const RolloutArguments& arguments, const RolloutOptions&
          (arguments.touch ? to_toml(options) : to_toml(given_the_truth));
 }
 
-/// Runs the first episodes again and keeps what they look like.
 void write_recordings(const RolloutArguments& arguments, const RolloutOptions& options,
-                      const relocate::Policy& policy) {
-  const auto& common = arguments.common;
-  for (std::size_t i = 0; i < std::min(arguments.record, arguments.episodes); ++i) {
-    auto recording =
-        relocate::record_episode(options.task, policy, options.episode, common.seed, i);
+                      const Runner& runner, const relocate::Policy& policy) {
+  const std::size_t count = std::min(arguments.record, arguments.episodes);
+  const ProgressBar bar("record", count, arguments.common.quiet || count == 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    auto recording = runner.record(policy, i);
     recording.header.config_toml = config_text(arguments, options);
-    recording::write_recording(std::filesystem::path(common.out) / fmt::format("episode-{}.h5", i),
-                               recording);
+    const std::filesystem::path folder = arguments.common.out;
+    recording::write_recording(folder / fmt::format("episode-{}.h5", i), recording);
+    bar.show(i + 1);
   }
 }
 
@@ -175,8 +177,6 @@ void print_next_of(const RolloutArguments& arguments, const CLI::App& command) {
     print_next(common, fmt::format("palpate view {}/episode-0.h5", common.out));
   } else if (!common.out.empty()) {
     print_next(common, fmt::format("palpate compare {}/episodes.csv relocate-best", common.out));
-  } else if (arguments.touch) {
-    print_next(common, given_command(command) + " --out out/rollout keeps the episodes' returns");
   } else {
     print_next(common, given_command(command) +
                            " --record 1 --out out/rollout records an episode for palpate view");
@@ -187,10 +187,6 @@ int rollout(const RolloutArguments& arguments, const CLI::App& command) {
   const auto& common = arguments.common;
   if (arguments.record > 0 && common.out.empty()) {
     throw BadInput("--record needs --out DIR: where the recordings are to go");
-  }
-  if (arguments.record > 0 && arguments.touch) {
-    throw BadInput(
-        "--record records episodes with the true pose: it cannot be combined with --touch");
   }
   const auto options = resolve<RolloutOptions>(common);
   const auto policy = find_policy(arguments.policy);
@@ -210,7 +206,7 @@ int rollout(const RolloutArguments& arguments, const CLI::App& command) {
   report["observes"] = observes(*policy, arguments.touch);
   if (arguments.touch) report["touch"] = touch_json(by_touch);
   if (!common.out.empty()) write_results(arguments, options, episodes, report);
-  write_recordings(arguments, options, *policy);
+  write_recordings(arguments, options, runner, *policy);
   if (common.json) {
     fmt::print("{}\n", report.dump(2));
   } else {
@@ -253,7 +249,9 @@ void add_rollout(CLI::App& program, Command& chosen) {
       "grasp (options touch.*); that takes some ten seconds per episode.\n"
       "With --out every episode goes to DIR/episodes.csv, which palpate compare reads. A "
       "recording\n"
-      "shows the Shadow hand, of which the Adroit hand of the task is a model.\n\n"
+      "shows the Shadow hand, of which the Adroit hand of the task is a model. A recording by "
+      "touch\n"
+      "is of the Adroit hand and what it senses; palpate replay estimates from it again.\n\n"
       "Examples:\n"
       "  palpate rollout --task relocate-v2 --episodes 20 --threads 2\n"
       "  palpate rollout relocate-best --set episode.scale_high=1 --json\n"

@@ -27,7 +27,7 @@ OnlineTracker::OnlineTracker(const geometry::ObjectModel& object, const hand::De
       random_(seed, "felt place") {  // the text seeds the stream
   if (resting.residual_mass() >= 1)
     throw BadInput("no pose from which an object could be followed");
-  known_.posterior = coming_.posterior = resting;
+  known_.pose.posterior = coming_.pose.posterior = resting;
 }
 
 void OnlineTracker::update(const hand::HandReading& reading) {
@@ -59,7 +59,7 @@ void OnlineTracker::follow() {
 }
 
 Eigen::Isometry3d OnlineTracker::T_world_object() const {
-  const Eigen::Isometry3d& T = known_.posterior.modes.front().T_frame_object;
+  const Eigen::Isometry3d& T = known_.pose.posterior.modes.front().T_frame_object;
   return moved_.empty() ? T : moved_.back() * moved_[known_.reading].inverse() * T;
 }
 
@@ -77,7 +77,7 @@ localization::PosePrior OnlineTracker::expected() const {
   localization::PosePrior prior;
   for (const Eigen::Isometry3d& motion :
        {Eigen::Isometry3d::Identity(), palm_.back() * palm_[since].inverse()}) {
-    localization::Posterior moved = coming_.posterior;
+    localization::Posterior moved = coming_.pose.posterior;
     transform(T_base_world * motion, moved);
     for (auto& component : localization::prior_from(moved, covariance).components) {
       component.weight /= 2;
@@ -102,7 +102,8 @@ void OnlineTracker::estimate() {
       options_.estimation.search);
   if (posterior.residual_mass() < 1) {  // else the contacts leave the pose open
     transform(T_world_base, posterior);
-    coming_ = {std::move(posterior), present};
+    for (auto& contact : evidence.contacts) transform(T_world_base, contact);
+    coming_ = {{std::move(posterior), std::move(evidence.contacts)}, present};
     ++estimates_;
   }
   seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -9,6 +9,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/evaluation/credible_poses.hpp"
+#include "palpate/recording/estimate_record.hpp"
 #include "palpate/skills/place/place.hpp"
 
 namespace palpate::evaluation {
@@ -16,17 +17,6 @@ namespace {
 
 constexpr std::string_view kEventPrefix = "mark ";
 constexpr std::size_t kMaxPoses = 60;  // of a posterior, in a note
-
-recording::PoseModeRecord to_record(const localization::Mode& mode) {
-  recording::PoseModeRecord record;
-  record.T_world_object = mode.T_frame_object;
-  record.weight = mode.weight;
-  record.covariance = mode.covariance;
-  if (mode.free_axis) {
-    record.free_axis = {mode.free_axis->point, mode.free_axis->direction, mode.free_axis->extent};
-  }
-  return record;
-}
 
 /// Places of the object's centroid along the transport as it was planned: x y z of each, m.
 std::vector<double> planned_path(const skills::PlaceResult& placed) {
@@ -68,12 +58,7 @@ void Recorder::posterior(const localization::Posterior& posterior) {
 
 void Recorder::estimate(double time, const estimation::HeldPoseEstimate& estimate) {
   if (!sink_) return;
-  recording::EstimateRecord record;
-  record.time = time;
-  record.status = localization::to_string(estimate.posterior.status);
-  for (const auto& mode : estimate.posterior.modes) record.modes.push_back(to_record(mode));
-  record.contacts = estimate.contacts;
-  sink_->estimate(record);
+  sink_->estimate(recording::estimate_record(time, estimate));
 }
 
 void Recorder::placement(const skills::PlaceResult& placed, const planning::Fixture& fixture) {

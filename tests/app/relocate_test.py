@@ -65,9 +65,28 @@ class RelocateTest(cli.CliTest):
         self.assertEqual(report["touch"]["explored"], 0)
         told_the_truth = self.run_json("rollout", "relocate-robust", *few)
         self.assertNotIn("touch", told_the_truth)
-        refused = self.run_program("rollout", "--touch", "--record", "1", "--out", "r")
-        self.assertEqual(refused.returncode, cli.BAD_INPUT)
-        self.assertIn("--touch", refused.stderr)
+
+    def test_an_episode_by_touch_is_recorded_seen_and_estimated_again(self):
+        few = ["--episodes", "1", "--set", "episode.horizon=60", "--set", "touch.explore=false"]
+        report = self.run_json("rollout", "relocate-robust", "--touch", *few, "--record", "1",
+                               "--out", "r")  # fmt: skip
+        self.assertGreater(report["touch"]["estimates"], 0)
+        done = self.run_program("view", "r/episode-0.h5", "--out", "page")
+        self.assertEqual(done.returncode, cli.DONE, done.stderr)
+        again = self.run_json("replay", "r/episode-0.h5")
+        self.assertEqual(again["messages"], 60)
+        self.assertGreater(again["modes"][0]["weight"], 0)
+        wider = self.run_json("replay", "r/episode-0.h5", "--set",
+                              "touch.tracking.translation_sigma=0.02")  # fmt: skip
+        self.assertNotEqual(wider["modes"][0]["T_world_object"], again["modes"][0]["T_world_object"])
+        done = self.run_program("replay", "r/episode-0.h5", "--set", "task.mass_scale=2")
+        self.assertEqual(done.returncode, cli.BAD_INPUT)
+        self.assertIn("task.mass_scale=2: of an episode by touch a replay reads touch.tracking.*",
+                      done.stderr)  # fmt: skip
+        self.run_json("rollout", "relocate-robust", *few[:4], "--record", "1", "--out", "t")
+        done = self.run_program("replay", "t/episode-0.h5")
+        self.assertEqual(done.returncode, cli.BAD_INPUT)
+        self.assertIn("an episode with the true pose of the object", done.stderr)
 
     def test_a_killed_training_goes_on(self):
         self.assertEqual(self.train("whole", 5).returncode, cli.DONE)

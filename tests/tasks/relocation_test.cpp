@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/temporary_folder.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
@@ -11,6 +13,8 @@
 #include "palpate/core/statistics.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
+#include "palpate/recording/writer.hpp"
+#include "palpate/tasks/relocate/episode_recording.hpp"
 #include "palpate/tasks/relocate/policies/policy_io.hpp"
 #include "tasks/relocate/relocated_object.hpp"
 
@@ -87,6 +91,59 @@ TEST(Relocation, ExploringTellsThePlace) {
     errors.push_back(one.resting_error);
   }
   EXPECT_LT(median(errors), 0.005);
+}
+
+TEST(Relocation, ARecordingIsEstimatedAgainBitForBit) {
+  RelocationOptions options;
+  options.explore = false;
+  const auto policy = box_policy();
+  const Relocation relocation(box_task(), options);
+  recording::Recording recording;
+  const auto recorded = relocation.run(*policy, {}, 74, 1, &recording);
+  EXPECT_EQ(recorded.reported_error, relocation.run(*policy, {}, 74, 1).reported_error);
+  ASSERT_GT(recorded.estimates, 3);
+  EXPECT_EQ(recording.estimates.size(), static_cast<std::size_t>(recorded.estimates) + 1);
+  EXPECT_EQ(recording.frames.size(), static_cast<std::size_t>(recorded.episode.steps));
+  EXPECT_TRUE(is_episode(recording));
+
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "episode.h5";
+  recording::write_recording(path, recording);
+  const auto read = recording::read_recording(path);
+  const auto again = replay_episode(read, options.tracking);
+  const auto& last = recording.estimates.back();
+  ASSERT_EQ(again.posterior.modes.size(), last.modes.size());
+  EXPECT_EQ(again.posterior.modes.front().T_frame_object.matrix(),
+            last.modes.front().T_world_object.matrix());
+  EXPECT_EQ(again.posterior.modes.front().weight, last.modes.front().weight);
+  EXPECT_EQ(again.contacts.size(), last.contacts.size());
+
+  auto other = options.tracking;
+  other.translation_sigma *= 2;
+  EXPECT_NE(replay_episode(read, other).posterior.modes.front().T_frame_object.matrix(),
+            last.modes.front().T_world_object.matrix());
+  EXPECT_THROW((void)replay_episode(record_episode(box_task(), *policy, {}, 74, 1), {}), BadInput);
+}
+
+// Contacts of an estimate are on the object where it truly is, but for the errors of the sensors.
+TEST(Relocation, ARecordingHasPosesAndContactsInOneFrame) {
+  RelocationOptions options;
+  options.explore = false;
+  recording::Recording recording;
+  Relocation(box_task(), options).run(*box_policy(), {}, 75, 0, &recording);
+  const geometry::MeshQuery surface(recording.header.object.mesh);
+  std::vector<double> distances;
+  for (const auto& estimate : recording.estimates) {
+    const auto frame = std::ranges::find_if(
+        recording.frames, [&](const auto& one) { return one.reading.time == estimate.time; });
+    ASSERT_NE(frame, recording.frames.end());
+    const Eigen::Isometry3d T_object_world = frame->truth->T_world_object.inverse();
+    for (const auto& contact : estimate.contacts) {
+      distances.push_back(std::abs(surface.signed_distance(T_object_world * contact.p)));
+    }
+  }
+  ASSERT_GT(distances.size(), 8u);
+  EXPECT_LT(median(distances), 0.006);
 }
 
 TEST(Relocation, ThreadsDoNotMatter) {

@@ -67,12 +67,15 @@ class OnlineTracker {
 
   Eigen::Isometry3d T_world_object() const;     ///< at the last reading
   int estimates() const { return estimates_; }  ///< that were made
-  double seconds() const { return seconds_; }   ///< of wall time, that they took together
+  /// The last of them, used one period after the reading that it is of; before the first, the pose
+  /// on the table.
+  const HeldPoseEstimate& newest() const { return coming_.pose; }
+  double seconds() const { return seconds_; }  ///< of wall time, that they took together
 
  private:
   struct Estimate {
-    localization::Posterior posterior;  ///< in the world
-    std::size_t reading = 0;            ///< that it is of
+    HeldPoseEstimate pose;
+    std::size_t reading = 0;  ///< that it is of
   };
   [[nodiscard]] localization::PosePrior expected() const;
   void follow();

@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/tasks/relocate/episode_recording.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <string>
 
-#include "palpate/core/se3.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/recording/estimate_record.hpp"
 #include "palpate/tasks/relocate/drawn_task.hpp"
 #include "palpate/tasks/relocate/relocate_task.hpp"
+#include "tasks/relocate/episode_events.hpp"
 
 namespace palpate::relocate {
 namespace {
-
-using recording::Event;
-using recording::EventKind;
-
-constexpr double kLifted = 0.015, kArrived = 0.05;  // m
 
 /// A frame of an episode, at the positions after so many steps.
 recording::Frame frame_at(DrawnTask& drawn, int step, const Eigen::VectorXd& positions) {
@@ -32,34 +26,6 @@ recording::Frame frame_at(DrawnTask& drawn, int step, const Eigen::VectorXd& pos
   frame.command = {hand::actuator_positions(drawn.hand(), state.joints), state.base};
   frame.truth = {state.T_world_object, state.joints};
   return frame;
-}
-
-/// Which phase the object is in: still on the table, on its way, or at the target.
-const char* phase_of(const Eigen::Vector3d& object, double start_height,
-                     const Eigen::Vector3d& target) {
-  if (object.z() < start_height + kLifted) return "reach";
-  return (object - target).norm() < kArrived ? "hold" : "carry";
-}
-
-void add_phases(const Eigen::Vector3d& target, recording::Recording& recording) {
-  const double start_height = recording.frames.front().truth->T_world_object.translation().z();
-  std::string phase;
-  for (const recording::Frame& frame : recording.frames) {
-    const double time = frame.reading.time;
-    const char* const now =
-        phase_of(frame.truth->T_world_object.translation(), start_height, target);
-    if (phase == now) continue;
-    if (!phase.empty()) recording.events.push_back({time, EventKind::end, phase, "done"});
-    phase = now;
-    recording.events.push_back({time, EventKind::begin, phase, ""});
-  }
-  recording.events.push_back({recording.frames.back().reading.time, EventKind::end, phase, "done"});
-}
-
-/// The note that the page shows as the place where the object is to go: a pose, row by row.
-Event target_note(const Eigen::Isometry3d& T_world_target) {
-  return {0, EventKind::note, "reach",
-          fmt::format("target {}", fmt::join(pose_to_row_major(T_world_target), " "))};
 }
 
 }  // namespace
@@ -82,9 +48,25 @@ recording::Recording record_episode(const TaskOptions& task, const Policy& polic
     recording.frames.push_back(frame_at(drawn, outcome.steps, run.positions()));
   Eigen::Isometry3d T_world_target = recording.frames.front().truth->T_world_object;
   T_world_target.translation() = start.target;
-  recording.events.push_back(target_note(T_world_target));
-  add_phases(start.target, recording);
+  add_episode_events(T_world_target, recording);
   return recording;
+}
+
+bool is_episode(const recording::Recording& recording) {
+  return !recording.events.empty() && recording.events.front().phase == kFirstPhase;
+}
+
+estimation::HeldPoseEstimate replay_episode(const recording::Recording& recording,
+                                            const estimation::OnlineTrackerOptions& options) {
+  if (recording.estimates.empty()) {
+    throw BadInput("an episode with the true pose of the object: nothing was estimated in it");
+  }
+  const geometry::ObjectModel object(recording.header.object);
+  estimation::OnlineTracker tracker(object, recording.header.hand,
+                                    recording::posterior_of(recording.estimates.front()), options,
+                                    recording.header.seed);
+  for (const recording::Frame& frame : recording.frames) tracker.update(frame.reading);
+  return tracker.newest();
 }
 
 }  // namespace palpate::relocate

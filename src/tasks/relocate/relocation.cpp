@@ -7,12 +7,15 @@
 #include <cmath>
 #include <exception>
 #include <numbers>
+#include <optional>
+#include <tuple>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "tasks/relocate/relocated_object.hpp"
+#include "tasks/relocate/touch_recorder.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -115,32 +118,46 @@ localization::Posterior Relocation::rough(RandomStream random) const {
   return posterior;
 }
 
-TouchEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode,
-                             std::uint64_t seed, std::size_t index) const {
-  const auto start = episode_start(episode, seed, index);
-  const RandomStream random = RandomStream(seed, "relocation").fork("episode", index);
+/// What is known of the object when the policy starts, in the task, and whether it was explored.
+std::pair<localization::Posterior, bool> Relocation::resting(const RelocateStart& start,
+                                                             const RandomStream& random) const {
   RandomStream chance = random.fork("place");
   Eigen::Vector2d from_rough;
   for (double& value : from_rough) value = chance.uniform(-1, 1) * options_.uncertainty;
+  localization::Posterior known;
+  if (options_.explore) known = explored(from_rough, random.fork("explore").bits());
+  const bool is_explored = known.residual_mass() < 1;
+  if (!is_explored) known = rough(random.fork("rough"));
 
-  const Eigen::Isometry3d& T_task_object = object_.object().T_mesh_object;
-  const Eigen::Vector3d centroid = shape_.start_rotation * T_task_object.translation();
+  const Eigen::Vector3d centroid =
+      shape_.start_rotation * object_.object().T_mesh_object.translation();
   const Eigen::Vector2d rough_place = start.object + centroid.head<2>() - from_rough;
-  TouchEpisode result;
-  localization::Posterior resting;
-  if (options_.explore) resting = explored(from_rough, random.fork("explore").bits());
-  result.explored = resting.residual_mass() < 1;
-  if (!result.explored) resting = rough(random.fork("rough"));
   estimation::transform(
-      Eigen::Isometry3d(Eigen::Translation3d(rough_place.x(), rough_place.y(), 0)), resting);
+      Eigen::Isometry3d(Eigen::Translation3d(rough_place.x(), rough_place.y(), 0)), known);
+  return {known, is_explored};
+}
+
+TouchEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode,
+                             std::uint64_t seed, std::size_t index,
+                             recording::Recording* recording) const {
+  const auto start = episode_start(episode, seed, index);
+  const RandomStream random = RandomStream(seed, "relocation").fork("episode", index);
+  TouchEpisode result;
+  localization::Posterior known;
+  std::tie(known, result.explored) = resting(start, random);
 
   RelocateTask task(model_);
   task.reset(start);
   RelocateTouch touch(model_, options_.noise, random.fork("touch").bits());
-  estimation::OnlineTracker tracker(object_, touch.hand_model(), resting, options_.tracking,
-                                    random.fork("felt").bits());
+  const std::uint64_t tracker_seed = random.fork("felt").bits();
+  const geometry::KnownObject& object = object_.object();
+  estimation::OnlineTracker tracker(object_, touch.hand_model(), known, options_.tracking,
+                                    tracker_seed);
+  std::optional<TouchRecorder> recorder;
+  if (recording) recorder.emplace(*recording, object, touch.hand_model(), tracker_seed, known);
+
   const auto reported_place = [&]() -> Eigen::Vector3d {
-    return tracker.T_world_object() * T_task_object.inverse().translation();
+    return tracker.T_world_object() * object.T_mesh_object.inverse().translation();
   };
   const auto error = [&]() -> Eigen::Vector3d {
     return reported_place() - object_pose(task.positions()).translation();
@@ -148,10 +165,13 @@ TouchEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode
   result.resting_error = error().head<2>().norm();
   result.episode =
       run_episode(task, start, episode.horizon, [&](int step, const PolicyInput& input) {
-        tracker.update(touch.read(task, step));
+        const hand::HandReading reading = touch.read(task, step);
+        tracker.update(reading);
+        if (recorder) recorder->step(reading, task, tracker);
         result.reported_error = error().norm();
         return policy.act(with_place(input, reported_place(), start));
       });
+  if (recorder) recorder->finish(start.target);
   result.estimates = tracker.estimates();
   if (tracker.estimates() > 0) result.estimate_seconds = tracker.seconds() / tracker.estimates();
   return result;

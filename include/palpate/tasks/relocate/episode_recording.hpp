@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "palpate/estimation/online_tracker.hpp"
 #include "palpate/recording/recording.hpp"
 #include "palpate/tasks/relocate/rollout.hpp"
 
@@ -17,5 +18,14 @@ namespace palpate::relocate {
 recording::Recording record_episode(const TaskOptions& task, const Policy& policy,
                                     const EpisodeOptions& episode, std::uint64_t seed,
                                     std::size_t index);
+
+/// Whether it is an episode of the relocate task, with the true pose or by touch.
+bool is_episode(const recording::Recording& recording);
+
+/// Estimates the object's pose in an episode by touch again, from its readings and the pose of the
+/// resting object. With the options of the recording, the result is its last estimate, bit for bit.
+/// @throws BadInput for an episode with the true pose, in which nothing was estimated
+estimation::HeldPoseEstimate replay_episode(const recording::Recording& recording,
+                                            const estimation::OnlineTrackerOptions& options);
 
 }  // namespace palpate::relocate

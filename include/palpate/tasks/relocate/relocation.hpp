@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
+
 #include "palpate/core/progress.hpp"
 #include "palpate/estimation/online_tracker.hpp"
+#include "palpate/recording/recording.hpp"
 #include "palpate/skills/explore/explore_phase.hpp"
 #include "palpate/skills/explore/height_probe_phase.hpp"
 #include "palpate/tasks/relocate/relocate_touch.hpp"
@@ -55,8 +58,10 @@ class Relocation {
   Relocation(const TaskOptions& task, const RelocationOptions& options);
 
   /// Episode i starts as rollout starts it.
+  /// @param recording  filled if not null: what the Adroit hand senses, the estimates, first that
+  ///        of the resting object, and the truth; without the configuration
   TouchEpisode run(const Policy& policy, const EpisodeOptions& episode, std::uint64_t seed,
-                   std::size_t index) const;
+                   std::size_t index, recording::Recording* recording = nullptr) const;
 
   /// `count` episodes on up to `threads` threads.
   std::vector<TouchEpisode> run_all(const Policy& policy, const EpisodeOptions& episode,
@@ -64,6 +69,8 @@ class Relocation {
                                     const ProgressCallback& progress = {}) const;
 
  private:
+  std::pair<localization::Posterior, bool> resting(const RelocateStart& start,
+                                                   const RandomStream& random) const;
   localization::Posterior explored(const Eigen::Vector2d& place, std::uint64_t seed) const;
   localization::Posterior rough(RandomStream random) const;
 
