@@ -13,7 +13,7 @@ using namespace palpate::tactile;
 std::vector<FingerSample> samples_over_an_edge() {
   const SlidingOptions options;
   const RandomStream random(1);
-  return feel(sliding_path(Surface::edge, options, random), options, random);
+  return samples_along(sliding_path(Surface::edge, options, random), options, random);
 }
 
 /// Time of one sample through an estimator, by its place in normal_estimators().

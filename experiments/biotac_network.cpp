@@ -163,7 +163,7 @@ void draw_maps(const Options& options, const Eigen::VectorXd& change) {
   const auto p = tactile::electrode_positions();
   Table table({"electrode", "x mm", "y mm", "z mm", "change, counts"});
   plotting::Plot flat;
-  flat.title = "electrodes seen from the felt side";
+  flat.title = "electrodes seen from the sensing side";
   flat.x.label = "y (mm)";
   flat.y.label = "x (mm)";
   plotting::Plot solid;
@@ -306,15 +306,15 @@ void judge(const Options& options, const Network& network) {
   table.add_row({"e1..e19, worst", fmt::format("{:.3f}", ratios.tail<19>().maxCoeff())});
   table.add_row({"all, mean", fmt::format("{:.3f}", ratios.mean())});
   table.publish(options, "errors", "Errors of network B (target: .2)");
-  const auto felt = tactile::sensitivities(network.network, network.inputs, network.outputs);
+  const auto sensitivity = tactile::sensitivities(network.network, network.inputs, network.outputs);
   const auto lost = tactile::shuffled_input_losses(network.network, network.inputs, network.outputs,
                                                    options.seed);
   Table inputs({"input", "sensitivity, sd a sd", "MAE / sd lost when shuffled"});
   const std::vector<std::string> inputs_names = {"cx",  "cy",  "cz",  "f1x", "f1y", "f1z", "f2x",
                                                  "f2y", "f2z", "f3x", "f3y", "f3z", "T"};
   for (int k = 0; k < tactile::kNetworkInputs; ++k) {
-    inputs.add_row({inputs_names[static_cast<std::size_t>(k)], fmt::format("{:.3f}", felt[k]),
-                    fmt::format("{:.3f}", lost[k])});
+    inputs.add_row({inputs_names[static_cast<std::size_t>(k)],
+                    fmt::format("{:.3f}", sensitivity[k]), fmt::format("{:.3f}", lost[k])});
   }
   inputs.publish(options, "inputs", "Every input matters");
 }

@@ -17,7 +17,7 @@ namespace {
 
 using namespace palpate;
 
-constexpr double kFelt = 0.01;              // N, of contacts that count
+constexpr double kMinForce = 0.01;          // N, of contacts that count
 constexpr double kConeTolerance = 1e-6;     // of the force
 constexpr double kNearby = 0.05;            // of the way to the axis
 constexpr double kTall = 0.1, kLow = 0.06;  // m: from the side, from both, from above
@@ -79,7 +79,7 @@ void judge(const geometry::MeshQuery& mesh, const simulation::ObjectStep& step, 
   hand::PerFinger<int> of_finger{};
   for (const simulation::ObjectContact& contact : step.contacts) {
     sum += contact.T_world_contact.linear() * contact.wrench.tail<3>();
-    if (contact.finger < 0 || contact.wrench[3] < kFelt) continue;
+    if (contact.finger < 0 || contact.wrench[3] < kMinForce) continue;
     const Eigen::VectorXd force = grasping::transmission(contact.model) * contact.wrench;
     ++tally.contacts;
     ++of_finger[static_cast<std::size_t>(contact.finger)];

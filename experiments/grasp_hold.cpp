@@ -32,7 +32,7 @@ constexpr double kLifted = 0.05;        // m
 constexpr double kGravity = 9.81;       // m/s^2
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-/// The true resting pose with the error that feeling leaves: as if explored, in no time.
+/// The true resting pose with the error that touches leave: as if explored, in no time.
 localization::Posterior reported_pose(const Eigen::Isometry3d& truth, std::uint64_t seed) {
   RandomStream random(seed, "told pose");
   const auto draw = [&](double sigma) {

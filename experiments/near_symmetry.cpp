@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // By how little a shape changes where it is rotated about the axis that changes it least: what is
-// less than the error of its surface cannot be felt.
+// less than the error of its surface cannot be sensed.
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>

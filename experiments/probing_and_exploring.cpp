@@ -211,8 +211,8 @@ void run(const experiment::Options& options) {
       const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
       Scene scene(model.object(), seed);
       PickState state;
-      HeightProbePhase feel{HeightProbeOptions{}};
-      if (run_phase(feel, scene.robot(), state).status != PhaseStatus::ok) continue;
+      HeightProbePhase height_probe{HeightProbeOptions{}};
+      if (run_phase(height_probe, scene.robot(), state).status != PhaseStatus::ok) continue;
       tally.add(explore(scene, state, model, touches, seed));
       if (const auto run = probe(scene, state, model, probes, seed)) tally.add(*run);
     }

@@ -34,7 +34,7 @@ PointCloud sampled(const geometry::TriangleMesh& mesh, std::size_t count, Random
 }
 
 /// Contacts of fingertips swept over the bunny from the sides and from above, as the thesis' hand
-/// feels it: 25 strokes of 40 contacts along planes through the object, with 1 mm and 10 deg of
+/// senses it: 25 strokes of 40 contacts along planes through the object, with 1 mm and 10 deg of
 /// noise, and a few contacts with something else.
 PointCloud swept_contacts(RandomStream random) {
   constexpr int kStrokes = 25, kContacts = 40, kElsewhere = 20;

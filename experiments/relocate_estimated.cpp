@@ -43,8 +43,8 @@ std::vector<std::string> row(const Subject& subject, const std::string& name,
           fmt::format("{:.1f}", 1e3 * summary.median_distance)};
 }
 
-std::vector<std::string> felt_row(const Subject& subject, const std::string& name,
-                                  const std::vector<TouchEpisode>& by_touch) {
+std::vector<std::string> touch_row(const Subject& subject, const std::string& name,
+                                   const std::vector<TouchEpisode>& by_touch) {
   std::vector<relocate::Episode> episodes;
   for (const auto& episode : by_touch) episodes.push_back(episode.episode);
   auto cells = row(subject, name, episodes);
@@ -60,9 +60,9 @@ std::vector<std::string> felt_row(const Subject& subject, const std::string& nam
 
 void relocate_estimated(const experiment::Options& options) {
   const std::vector<Subject> subjects = {{"mug", "relocate-robust"}, {"box", "relocate-box"}};
-  const std::vector<Case> cases = {{"explored, then felt in the grasp"},
+  const std::vector<Case> cases = {{"explored, then estimated in the grasp"},
                                    {"explored, then carried by the palm", true, false},
-                                   {"rough place, then felt in the grasp", false, true},
+                                   {"rough place, then estimated in the grasp", false, true},
                                    {"rough place, then carried by the palm", false, false}};
   const std::size_t count = options.quick ? 1 : 50;
   experiment::Table table({"object", "policy", "what the policy is told", "episodes", "return",
@@ -84,7 +84,7 @@ void relocate_estimated(const experiment::Options& options) {
       relocation.tracking.estimate = what.estimate;
       const auto by_touch = relocate::Relocation(task, relocation)
                                 .run_all(*policy, {}, options.seed, count, options.threads);
-      table.add_row(felt_row(subject, what.name, by_touch));
+      table.add_row(touch_row(subject, what.name, by_touch));
     }
   }
   table.publish(options, "relocate_estimated", "Relocation by touch, faithful solver");

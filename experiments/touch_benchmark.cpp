@@ -28,7 +28,7 @@ Result slide(const std::string& name, Surface surface, const SlidingOptions& sli
   for (std::uint64_t seed = options.seed; seed < options.seed + seeds; ++seed) {
     const RandomStream random(seed);
     const auto path = sliding_path(surface, sliding, random);
-    const auto samples = feel(path, sliding, random);
+    const auto samples = samples_along(path, sliding, random);
     const auto estimator = make_normal_estimator(name);
     const std::clock_t start = std::clock();  // of the processor: others may use it too
     add_score(*estimator, samples, path, sliding.period, result.score);

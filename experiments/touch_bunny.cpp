@@ -25,7 +25,7 @@ using namespace palpate::experiment;
 constexpr double kSeconds = 30;     // of each way
 constexpr double kSmoothing = 25;   // ticks, over which the way is smoothed
 constexpr double kGuardedMove = 6;  // s, to and fro
-constexpr double kTouched = 0.006;  // m, from a touch: that much of the surface it has felt
+constexpr double kTouched = 0.006;  // m, from a touch: that much of the surface counts as touched
 constexpr double kAbove = 0.0015;   // m, of a tip that is not meant to touch yet
 
 /// Of the two ways of each finger over its fifth of the object, from straight up (rad).
@@ -100,10 +100,10 @@ std::vector<Touched> sense(const std::vector<SlideTick>& ticks, const hand::Desc
     if (truth.empty()) continue;
     double error = 180;
     for (const auto& n : truth) error = std::min(error, tactile::angle_between_deg(estimate.n, n));
-    const auto& felt = samples[at];
+    const auto& sample = samples[at];
     const Eigen::Isometry3d& T = ticks[at].frame.truth->T_world_object;
-    const double off = mesh.closest_point(T.inverse() * felt.p).distance;
-    touched.push_back({finger, felt.time, felt.p, estimate.n, felt.f, off, error});
+    const double off = mesh.closest_point(T.inverse() * sample.p).distance;
+    touched.push_back({finger, sample.time, sample.p, estimate.n, sample.f, off, error});
   }
   return touched;
 }
@@ -157,7 +157,7 @@ std::string view(const std::vector<Touched>& touched, const geometry::KnownObjec
   return plotting::to_svg(plot);
 }
 
-/// Shares of the surface that were felt, by places drawn from it evenly.
+/// Shares of the surface that were touched, by places drawn from it evenly.
 struct Coverage {
   double reachable = 0, of_all = 0, of_reachable = 0;
 };
@@ -166,20 +166,21 @@ Coverage coverage(const geometry::KnownObject& object, const Eigen::Isometry3d& 
                   Reach& reach, double tip_radius, const std::vector<Touched>& touched,
                   const Options& options) {
   const std::size_t count = options.quick ? 20 : 400;
-  int reachable = 0, felt = 0, both = 0;
+  int reachable = 0, sensed = 0, both = 0;
   for (const auto& s :
        geometry::sample_surface(object.mesh, count, RandomStream(options.seed, "coverage"))) {
     const Eigen::Vector3d p = T_world_object * s.point, n = T_world_object.linear() * s.normal;
     const bool reaches =
         reach.any_finger_reaches(std::atan2(n.y(), n.x()), p + (tip_radius + kAbove) * n);
-    const bool feels = std::any_of(touched.begin(), touched.end(),
-                                   [&](const Touched& c) { return (c.p - p).norm() < kTouched; });
+    const bool is_touched = std::any_of(touched.begin(), touched.end(), [&](const Touched& c) {
+      return (c.p - p).norm() < kTouched;
+    });
     reachable += reaches;
-    felt += feels;
-    both += reaches && feels;
+    sensed += is_touched;
+    both += reaches && is_touched;
   }
   const auto all = static_cast<double>(count);
-  return {reachable / all, felt / all, both / std::max(1.0, static_cast<double>(reachable))};
+  return {reachable / all, sensed / all, both / std::max(1.0, static_cast<double>(reachable))};
 }
 
 std::vector<std::string> row_of(const std::string& name, const Stand& stand,
@@ -224,10 +225,10 @@ void experiment_bunny(const Options& options) {
   table.publish(
       options, "points",
       "Points sampled on the bunny: distance from its surface, normals where the tip touched");
-  const Coverage felt = coverage(object, T_world_object, reach, first.tip().radius, all, options);
-  Table shares({"reachable", "felt, of all", "felt, of the reachable"});
-  shares.add_row({fmt::format("{:.2f}", felt.reachable), fmt::format("{:.2f}", felt.of_all),
-                  fmt::format("{:.2f}", felt.of_reachable)});
+  const Coverage sensed = coverage(object, T_world_object, reach, first.tip().radius, all, options);
+  Table shares({"reachable", "touched, of all", "touched, of the reachable"});
+  shares.add_row({fmt::format("{:.2f}", sensed.reachable), fmt::format("{:.2f}", sensed.of_all),
+                  fmt::format("{:.2f}", sensed.of_reachable)});
   shares.publish(options, "coverage", "Shares of the surface within 6 mm of a touch");
   write_file_atomically(options.out / "contacts.csv", contacts_csv(all));
   publish_figure(options, "points_xy", view(all, object, T_world_object.translation(), {0, 1}));

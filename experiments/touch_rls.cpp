@@ -74,18 +74,18 @@ std::string path_figure(const std::vector<tactile::FingerSample>& samples) {
   plot.x.label = "x (mm)";
   plot.y.label = "y (mm)";
   plot.width = plot.height = 520;
-  plotting::LineSeries felt{.name = "felt", .x = {}, .y = {}},
+  plotting::LineSeries measured{.name = "measured", .x = {}, .y = {}},
       filtered{.name = "rolling mean of 100", .x = {}, .y = {}};
   tactile::RollingMean low_pass(100);
   for (const auto& sample : samples) {
     if (!sample.flags.usable()) continue;
     const Eigen::Vector3d mean = low_pass.add(sample.p);
-    felt.x.push_back(1e3 * sample.p.x());
-    felt.y.push_back(1e3 * sample.p.y());
+    measured.x.push_back(1e3 * sample.p.x());
+    measured.y.push_back(1e3 * sample.p.y());
     filtered.x.push_back(1e3 * mean.x());
     filtered.y.push_back(1e3 * mean.y());
   }
-  plot.series = {std::move(felt), std::move(filtered)};
+  plot.series = {std::move(measured), std::move(filtered)};
   return plotting::to_svg(plot);
 }
 

@@ -26,7 +26,7 @@ constexpr double kSettle = 1;  // s from the start that are left out
 
 /// Normals of one kind, with their errors (deg) where the truth is known.
 struct Normals {
-  std::vector<tactile::NormalAt> felt;
+  std::vector<tactile::NormalAt> sensed;
   std::vector<double> error_deg, nees;
 };
 
@@ -37,14 +37,14 @@ struct Slide {
   std::size_t samples = 0, flagged = 0;
 };
 
-void add_error(const tactile::NormalAt& felt, const std::vector<Eigen::Vector3d>& truth,
+void add_error(const tactile::NormalAt& normal, const std::vector<Eigen::Vector3d>& truth,
                const std::optional<Eigen::Matrix3d>& covariance, Normals& normals) {
   if (truth.empty()) return;
-  const Eigen::Vector3d& n = felt.n;
+  const Eigen::Vector3d& n = normal.n;
   const auto& nearest =
       *std::min_element(truth.begin(), truth.end(),
                         [&](const auto& a, const auto& b) { return a.dot(n) > b.dot(n); });
-  normals.felt.push_back(felt);
+  normals.sensed.push_back(normal);
   normals.error_deg.push_back(tactile::angle_between_deg(n, nearest));
   if (covariance) {
     normals.nees.push_back(tactile::normalised_error_squared(n, nearest, *covariance));
@@ -101,7 +101,7 @@ class SlideErrors {
   tactile::S2Filter filter_;
   tactile::S2Smoother smoother_;
   std::vector<std::vector<Eigen::Vector3d>> truth_;  // of every tick, the first at kTick
-  std::vector<Eigen::Vector3d> points_;              // felt in them
+  std::vector<Eigen::Vector3d> points_;              // sensed in them
   std::vector<tactile::NormalAt> recent_;
   std::size_t ticks_ = 0;
   Slide slide_;
@@ -149,7 +149,7 @@ void draw_edge(const Slide& slide, const Options& options) {
                  cone(slide.torques, kAcross, "Torques at the edge", "N m"));
   for (const auto& [name, normals] : slide.normals) {
     std::vector<Eigen::Vector3d> n;
-    for (const auto& felt : normals.felt) n.push_back(felt.n);
+    for (const auto& normal : normals.sensed) n.push_back(normal.n);
     publish_figure(options, "edge_normals_" + name,
                    cone(n, kAcross, "Normals at the edge, " + name, "1"));
   }
@@ -204,7 +204,7 @@ void experiment_surfaces(const Options& options) {
     honesty.add_row({name, fmt::format("{:.2f}", mean(slide.normals["s2"].nees)),
                      fmt::format("{:.2f}", mean(slide.normals["s2-lag"].nees))});
     faces.add_row({name, std::to_string(surface.faces.size()),
-                   face_list(tactile::find_faces(slide.normals["s2-lag"].felt), surface.faces)});
+                   face_list(tactile::find_faces(slide.normals["s2-lag"].sensed), surface.faces)});
     for (const auto& [kind, normals] : slide.normals) {
       densities[kind].series.emplace_back(density(name, normals.error_deg));
     }

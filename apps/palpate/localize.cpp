@@ -97,7 +97,7 @@ std::string hint_for(const geometry::ObjectModel& model, lo::Evidence evidence, 
          "than stated";
 }
 
-/// Contacts felt at the same time are of one grasp, whose place in the world is uncertain.
+/// Contacts sensed at the same time are of one grasp, whose place in the world is uncertain.
 std::vector<lo::CommonModeBias> offsets_of_grasps(const std::vector<tactile::Contact>& contacts,
                                                   double rms) {
   std::map<double, lo::CommonModeBias> grasps;

@@ -38,7 +38,7 @@ geometry::KnownObject load_object(const std::string& name, const ObjectArguments
 /// @throws BadInput for a name that is given twice
 void require_distinct(const std::vector<std::string>& names);
 
-/// Objects by their names, of which one may be what the hand feels.
+/// Objects by their names, of which one may be what the hand touches.
 struct CandidateObjects {
   std::vector<std::string> names;
   std::vector<geometry::ObjectModel> models;

@@ -71,10 +71,11 @@ class FingerSensor {
 
 std::optional<Eigen::Vector3d> true_normal_of(const geometry::MeshQuery& mesh,
                                               const recording::Frame& frame,
-                                              const tactile::FingerFrame& felt, double tip_radius) {
+                                              const tactile::FingerFrame& sensed,
+                                              double tip_radius) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0;
-  for (const auto& contact : felt.contacts) {
+  for (const auto& contact : sensed.contacts) {
     if (!contact.tip_normal) continue;
     sum += contact.p + tip_radius * *contact.tip_normal;
     ++count;
@@ -108,9 +109,9 @@ std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
     const auto& described = recording.header.hand.fingers[static_cast<std::size_t>(finger)];
     FingerSensor sensor(described.name, arguments.estimator, hand::kTick);
     for (const recording::Frame& frame : recording.frames) {
-      const auto felt = tactile::finger_frame(frame.reading, recording.header.hand, finger);
+      const auto sensed = tactile::finger_frame(frame.reading, recording.header.hand, finger);
       const double radius = described.tip.radius;
-      sensor.take(felt, true_normal_of(mesh, frame, felt, radius));
+      sensor.take(sensed, true_normal_of(mesh, frame, sensed, radius));
     }
     if (sensor.touched()) streams.push_back(sensor.take_stream());
   }

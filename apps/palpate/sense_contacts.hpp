@@ -10,7 +10,7 @@
 namespace palpate::app {
 
 /// Outward normal at which a round tip touches the true object: from the surface's nearest point to
-/// the tip's centre (world). The point felt itself, off by millimetres, may lie nearest to the
+/// the tip's centre (world). The sensed point itself, off by millimetres, may lie nearest to the
 /// other face of an edge or the other side of a thin wall. Nothing where the frame lacks the truth
 /// or the tip is nowhere near the object.
 std::optional<Eigen::Vector3d> true_normal(const geometry::MeshQuery& mesh,

@@ -12,7 +12,7 @@
 namespace palpate::hand {
 
 /// A driver: what the skills know of a hand is its description and this step(). This one moves no
-/// hardware. It is at once where it is commanded to be, and feels a floor with the ends of its
+/// hardware. It is at once where it is commanded to be, and senses a floor with the ends of its
 /// fingertips.
 class HandOverFloor : public Hand {
  public:
@@ -33,15 +33,15 @@ class HandOverFloor : public Hand {
       const Finger& finger = model_.fingers[i];
       const Eigen::Isometry3d T_world_link =
           command.base.pose() * links[static_cast<std::size_t>(finger.link)];
-      feel(finger.tip, T_world_link, reading.contacts[i]);
+      sense(finger.tip, T_world_link, reading.contacts[i]);
     }
     return reading;
   }
 
  private:
   /// The floor pushes back with 1 N a millimetre.
-  void feel(const TipCapsule& tip, const Eigen::Isometry3d& T_world_link,
-            std::vector<TipContact>& contacts) const {
+  void sense(const TipCapsule& tip, const Eigen::Isometry3d& T_world_link,
+             std::vector<TipContact>& contacts) const {
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d lowest = T_world_link * tip.b - tip.radius * up;
     const double depth = floor_ - lowest.z();

@@ -22,7 +22,7 @@ struct DomeOptions {
   double friction = 0.3;   ///< the force leaves the normal by at most its angle of friction
 };
 
-/// The contact that a rubber dome on a three-axis force sensor feels.
+/// The contact that a rubber dome on a three-axis force sensor senses.
 ///
 /// @param force  of the object on the dome, N, in the sensor's frame, whose origin is the dome's
 ///               center
@@ -71,7 +71,7 @@ TEST(Dome, LocatesABracket) {
   EXPECT_LT(error.translation, 0.010);
 }
 
-TEST(Dome, FeelsNothingBelowItsLeastForce) {
+TEST(Dome, SensesNothingBelowItsLeastForce) {
   EXPECT_FALSE(contact_of_dome({0, 0, 0.1}, Eigen::Isometry3d::Identity()));
 }
 

@@ -190,17 +190,17 @@ class HandInSapien(palpate.Hand):
         )  # fmt: skip
 
     def contacts(self):
-        felt = [[] for _ in self.tips]
+        contacts = [[] for _ in self.tips]
         for contact in self.system.get_contacts():
             for side in range(2):
                 if contact.bodies[side] in self.tips:
                     finger = self.tips.index(contact.bodies[side])
                     sign = 1 if side == 0 else -1  # normal and impulse are of the first body
-                    points = [self.felt(point, finger, sign) for point in contact.points]
-                    felt[finger] += filter(None, points)
-        return felt
+                    points = [self.sensed(point, finger, sign) for point in contact.points]
+                    contacts[finger] += filter(None, points)
+        return contacts
 
-    def felt(self, point, finger, sign):
+    def sensed(self, point, finger, sign):
         """The contact as a noisy sensor gives it; None where it drowns in the noise."""
         T = self.tips[finger].entity_pose.to_transformation_matrix()
         R, n = T[:3, :3].T, sign * point.normal

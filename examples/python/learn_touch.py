@@ -4,8 +4,9 @@
 usage: learn_touch.py [--minutes M] [--object NAME] [--episodes N] [--out FILE]
        pip install 'palpate[gym]' stable-baselines3
 
-The policy sees what was felt and estimated so far and chooses the next touch. It learns on episodes
-of seeds below 1000; what is printed at the end is of the seeds from 9000 on, the same for both.
+The policy sees what was sensed and estimated so far and chooses the next touch. It learns on
+episodes of seeds below 1000; what is printed at the end is of the seeds from 9000 on, the same for
+both.
 """
 
 import argparse

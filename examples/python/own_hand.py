@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pick with a hand of your own: all that the pick knows of it is its description and step().
 
-Here your hand is the simulated one with a worn thumb, which feels half of each force. A driver
+Here your hand is the simulated one with a worn thumb, which senses half of each force. A driver
 would send the command to the robot instead, and wait for its sensors. hand_in_sapien.py is a hand
 in another physics engine.
 
@@ -18,7 +18,7 @@ class WornThumb(palpate.Hand):
     def __init__(self, inner):
         super().__init__(inner.description)  # with a model file: sim.load_hand("hand.xml")
         self.inner = inner
-        self.felt = []  # time, s, and each finger's normal force, N
+        self.sensed = []  # time, s, and each finger's normal force, N
 
     def step(self, command):
         """Apply the command for one tick of 10 ms; return what was sensed at its end."""
@@ -26,7 +26,7 @@ class WornThumb(palpate.Hand):
         thumb, *others = reading.contacts
         worn = [palpate.TipContact(c.point, c.normal, 0.5 * c.force) for c in thumb]
         forces = [sum(-c.force @ c.normal for c in tip) for tip in (worn, *others)]
-        self.felt.append((reading.time, *forces))
+        self.sensed.append((reading.time, *forces))
         return palpate.HandReading(
             reading.time, reading.joints, reading.torques, reading.base_xyz, reading.base_ypr,
             reading.base_force, [worn, *others],
@@ -42,8 +42,8 @@ result = sim.pick("box", hand, seed=3, options={"calibrate.touches": 4, "explore
 print(result)
 for phase in result.phases:
     print(f"  {phase.name}: {phase.outcome}, {phase.robot_seconds:.1f} s")
-peak = max(max(forces) for _, *forces in hand.felt)
-print(f"largest force that a finger felt: {peak:.1f} N")
+peak = max(max(forces) for _, *forces in hand.sensed)
+print(f"largest force that a finger sensed: {peak:.1f} N")
 
 # The truth is the world's; no hand knows it. It judges the estimate, in the world's frame.
 error = result.posterior.error(world.truth())
@@ -52,11 +52,11 @@ if error:
 
 
 def draw(file):
-    """When each finger felt what, and in which phase."""
+    """When each finger sensed what, and in which phase."""
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(figsize=(10, 4), layout="constrained")
-    time, *forces = zip(*hand.felt)
+    time, *forces = zip(*hand.sensed)
     for finger, force in zip(hand.description.fingers, forces):
         axes.plot(time, force, label=finger.name, linewidth=0.8)
     begin = 0.0

@@ -47,7 +47,7 @@ localization::TrackFrame MovingObject::next(double time) {
     slide -= slide.dot(tip.n) * tip.n;
     settle(tip, tip.p + kFrame * slide);
     const Eigen::Vector3d p = T_ * tip.p;
-    frame.contacts.push_back(felt(tip));
+    frame.contacts.push_back(sensed_contact(tip));
     frame.velocities.push_back(v + w.cross(p - T_.translation()) + T_.linear() * slide +
                                kVelocityNoise * random_.normal3());
   }
@@ -94,7 +94,7 @@ void MovingObject::settle(TouchingTip& tip, const Eigen::Vector3d& near) const {
   tip.n = closest.normal;
 }
 
-tactile::Contact MovingObject::felt(TouchingTip& tip) {
+tactile::Contact MovingObject::sensed_contact(TouchingTip& tip) {
   tactile::Contact contact;
   const double share = setting_.correlated ? std::sqrt(1 - kCorrelatedShare) : 1.0;
   const double kept = setting_.correlated ? std::sqrt(kCorrelatedShare) : 0.0;

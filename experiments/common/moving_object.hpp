@@ -11,7 +11,7 @@
 
 namespace palpate::experiment {
 
-/// How fingertips feel an object that moves with them, 100 frames a second: 2 cm/s and 20 deg/s
+/// How fingertips sense an object that moves with them, 100 frames a second: 2 cm/s and 20 deg/s
 /// rms.
 struct TouchSetting {
   std::string name;
@@ -54,7 +54,7 @@ struct TouchingTip {
   Wandering slide, point_error, normal_error;
 };
 
-/// An object on which five fingertips ride, and what they feel.
+/// An object on which five fingertips ride, and what they sense.
 class MovingObject {
  public:
   MovingObject(const Subject& subject, const TouchSetting& setting, RandomStream random);
@@ -70,7 +70,7 @@ class MovingObject {
  private:
   void place_fingertips();
   void settle(TouchingTip& tip, const Eigen::Vector3d& near) const;
-  tactile::Contact felt(TouchingTip& tip);
+  tactile::Contact sensed_contact(TouchingTip& tip);
 
   const Subject& subject_;
   TouchSetting setting_;

@@ -8,7 +8,7 @@
 
 namespace palpate::tactile {
 
-/// A point of contact with the outward normal felt or estimated there.
+/// A point of contact with the outward normal sensed or estimated there.
 struct NormalAt {
   Eigen::Vector3d p, n;
 };
@@ -69,7 +69,7 @@ struct Face {
 /// corner reports in place of a mean. The modes of the normals (by mean shift), densest first, each
 /// `apart` from those before.
 ///
-/// A tip that rests on an edge feels a direction between two faces; its points then spread along a
+/// A tip that rests on an edge senses a direction between two faces; its points then spread along a
 /// line, and across it by their noise alone. Modes whose points do not spread over an area are no
 /// faces. Nor are those that thin out slowly, as on a curved surface: evenly spread, a quarter to
 /// half of the normals within twice the radius are within it.

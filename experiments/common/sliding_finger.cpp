@@ -98,8 +98,8 @@ std::vector<SlideTick> SlidingFinger::follow(const TipPath& path, const simulati
   for (std::size_t at = 0; at < path.center.size(); at += touches) {
     ticks.push_back(step(finger_.command(path.R_world_base, path.center[at] + offset)));
     // Pressed by the face that it is on, not by that where it should be: so it gets over edges.
-    const auto& felt = ticks.back().true_normals;
-    const Eigen::Vector3d& n = felt.empty() ? path.normal[at] : felt[0];
+    const auto& normals = ticks.back().true_normals;
+    const Eigen::Vector3d& n = normals.empty() ? path.normal[at] : normals[0];
     const double pressed = pressing(ticks.back().frame.reading, n);
     touches = touches || pressed > 0.2 * force || ticks.size() > kLongestApproach;
     if (touches) {

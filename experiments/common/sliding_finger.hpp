@@ -35,7 +35,7 @@ class SlidingFinger {
   double tip_radius() const { return finger_.tip().radius; }
 
   /// Approaches the path's start along its normal and follows it, pressing with `force` (N): the
-  /// depth follows the force felt.
+  /// depth follows the sensed force.
   std::vector<SlideTick> follow(const TipPath& path, const simulation::Start& start, double force);
 
  private:

@@ -136,7 +136,7 @@ void bind_sensor(nb::module_& module) {
   nb::class_<PythonSensor>(
       module, "Sensor",
       "A tactile sensor of one fingertip, with a connection of its own. Subclass it, write read(), "
-      "and give it to palpate.sim.pick(..., sensors=[...]). What it feels takes the place of what "
+      "and give it to palpate.sim.pick(..., sensors=[...]). What it senses takes the place of what "
       "the hand's readings say of that finger; several on one finger add up. An exception, another "
       "answer, and one that comes too late are faults that name the sensor and stop the pick.")
       .def(nb::init<std::string>(), "finger"_a,
@@ -144,7 +144,7 @@ void bind_sensor(nb::module_& module) {
       .def_prop_ro("finger", &PythonSensor::finger, "Name of the finger that it is on.")
       .def("read", unwritten<PythonSensor>("a Sensor's read() has to be written"),
            nb::sig("def read(self) -> Contacts | list[TipContact] | None"),
-           "To be written: what is felt at the end of the tick of 10 ms, in the frame of the "
+           "To be written: what is sensed at the end of the tick of 10 ms, in the frame of the "
            "fingertip's link, with forces; None where there is nothing newer than the last "
            "answer, for 0.25 s at most.\n\nRaises NotImplementedError.")
       .def("__repr__",

@@ -118,7 +118,7 @@ void bind_hand_description(nb::module_& module) {
   bind_finger(module);
   nb::class_<Description> description(
       module, "HandDescription",
-      "A hand as data: what moves, what feels, and what its surface is. The mount's frame: palm "
+      "A hand as data: what moves, what senses, and what its surface is. The mount's frame: palm "
       "down, fingers along +x, z up.");
   bind_pickle(description);
   description.def_ro("name", &Description::name, "Of the hand, or its file.")

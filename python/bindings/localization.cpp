@@ -292,7 +292,7 @@ void bind_tracker(nb::module_& module) {
           "time"_a, "contacts"_a, "velocities"_a,
           nb::sig("def update(self, time: float, contacts: Contacts, velocities: "
                   "numpy.typing.ArrayLike) -> Posterior"),
-          "The posterior after what the fingertips feel at a time (s): contacts, and the "
+          "The posterior after what the fingertips sense at a time (s): contacts, and the "
           "fingertip's velocity at each, (N, 3), m/s.\n\nRaises ValueError for values that are "
           "not finite or another number of velocities.")
       .def_prop_ro(

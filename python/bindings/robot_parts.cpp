@@ -38,15 +38,15 @@ auto answer_of(const Part& part, Raised& raised, const char* method, const Conve
 
 /// Contacts, or a list of TipContact.
 std::vector<TipContact> tip_contacts(nb::handle answer) {
-  std::vector<TipContact> felt;
+  std::vector<TipContact> contacts;
   if (nb::isinstance<Contacts>(answer)) {
     for (const tactile::Contact& contact : nb::cast<const Contacts&>(answer).list) {
-      felt.push_back(tactile::tip_contact(contact));
+      contacts.push_back(tactile::tip_contact(contact));
     }
-  } else if (!nb::try_cast(answer, felt)) {
+  } else if (!nb::try_cast(answer, contacts)) {
     refuse("read", "Contacts, a list of TipContact, or None", answer);
   }
-  return felt;
+  return contacts;
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ class TouchEnv(gymnasium.Env):
 
     Action, (3,), -1..1: azimuth of the approach over pi; height of the line over the object's
     largest; its offset to the side over the object's radius.
-    Observation: `contacts` (max_touches, 6): point (m) and normal felt by each touch, zeros for
+    Observation: `contacts` (max_touches, 6): point (m) and normal sensed by each touch, zeros for
     misses and touches not made; `touches`: how many were made; `probability` of the best pose;
     `T_table_object` (4, 4): the best pose, the identity while there is none.
     Reward: the gain in probability, less `cost` a touch. An episode terminates when the
@@ -93,7 +93,7 @@ class TouchEnv(gymnasium.Env):
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
         self.truth = self._random_rest()
-        self.felt = np.zeros((self.max_touches, 6))
+        self.sensed = np.zeros((self.max_touches, 6))
         self.touches, self.free, self.posterior = 0, [], None
         return self._observation(), self._info(hit=False)
 
@@ -119,9 +119,9 @@ class TouchEnv(gymnasium.Env):
         self._draw(picture, self._surface(), self.truth, _GREY)
         if self._best():
             self._draw(picture, self._surface()[::3], self._best().T_frame_object, _BLUE)
-        felt = self.felt[np.any(self.felt[:, 3:], axis=1), :3]
+        points = self.sensed[np.any(self.sensed[:, 3:], axis=1), :3]
         around = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)])
-        self._draw(picture, (felt[:, None] + 0.001 * around).reshape(-1, 3), np.eye(4), _RED)
+        self._draw(picture, (points[:, None] + 0.001 * around).reshape(-1, 3), np.eye(4), _RED)
         return picture
 
     def _surface(self):
@@ -168,7 +168,7 @@ class TouchEnv(gymnasium.Env):
             n = result.normal + self.normal_noise * self._across(result.normal)
             point = end - self.tip_radius * result.normal
             noisy = point + self.point_noise * self.np_random.standard_normal(3)
-            self.felt[self.touches] = [*noisy, *n / np.linalg.norm(n)]
+            self.sensed[self.touches] = [*noisy, *n / np.linalg.norm(n)]
         steps = np.arange(0, result.distance - 3 * self.point_noise, self.tip_radius)
         for p in touch.start + steps[:, None] * touch.direction:
             if np.hypot(p[0], p[1]) < self.radius + _HALF_WIDTH:
@@ -181,7 +181,7 @@ class TouchEnv(gymnasium.Env):
         return v - n * (n @ v)
 
     def _localize(self):
-        made = self.felt[np.any(self.felt[:, 3:], axis=1)]
+        made = self.sensed[np.any(self.sensed[:, 3:], axis=1)]
         if not len(made):
             return None
         contacts = _core.Contacts(
@@ -201,7 +201,7 @@ class TouchEnv(gymnasium.Env):
     def _observation(self):
         best = self._best()
         return {
-            "contacts": np.clip(self.felt, -2, 2),
+            "contacts": np.clip(self.sensed, -2, 2),
             "touches": self.touches,
             "probability": np.clip([self._probability()], 0, 1),
             "T_table_object": np.clip(best.T_frame_object, -2, 2) if best else np.eye(4),

@@ -80,6 +80,6 @@ class WatchedHand(_Hand):
         _rerun.log("hand/base", place)
         force = _FORCE_LENGTH * reading.base_force
         _rerun.log("hand/base_force", _rerun.Arrows3D(origins=[reading.base_xyz], vectors=[force]))
-        for finger, felt in zip(self.description.fingers, reading.contacts):
-            total = float(_np.linalg.norm(sum((c.force for c in felt), _np.zeros(3))))
+        for finger, contacts in zip(self.description.fingers, reading.contacts):
+            total = float(_np.linalg.norm(sum((c.force for c in contacts), _np.zeros(3))))
             _rerun.log(f"hand/force/{finger.name}", _rerun.Scalars(total))

@@ -100,7 +100,7 @@ class HeldPose(unittest.TestCase):
         contacts = touched("box", 18, 0)[1].transformed(self.world.truth())
         return palpate.localize(self.model, contacts, seed=1)
 
-    def test_a_known_pose_is_kept_by_what_the_fingers_feel(self):
+    def test_a_known_pose_is_kept_by_what_the_fingers_sense(self):
         follower = self.follower(seed=4)
         self.assertEqual(follower.posterior.status, "no_pose")
         self.assertFalse(follower.due)

@@ -54,7 +54,7 @@ class Examples(unittest.TestCase):
         self.require("palpate.sim")
         text = self.run_and_draw("own_hand.py")
         self.assertRegex(text, r"PickResult\((held|failed)")
-        self.assertRegex(text, r"largest force that a finger felt: [1-9]")
+        self.assertRegex(text, r"largest force that a finger sensed: [1-9]")
 
     def test_hand_in_another_engine(self):
         self.require("palpate.sim")

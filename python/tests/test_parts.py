@@ -43,7 +43,7 @@ class Fingers(palpate.Hand):
         self.arm.reading = palpate.ArmReading(
             palpate.BasePosition(r.base_xyz, r.base_ypr), r.base_force
         )
-        self.tip.felt = r.contacts[0]
+        self.tip.sensed = r.contacts[0]
         return palpate.HandReading(r.time, r.joints, r.torques, [0] * 3, [0] * 3, [0] * 3,
                                    [[], *r.contacts[1:]])  # fmt: skip
 
@@ -51,11 +51,11 @@ class Fingers(palpate.Hand):
 class Tip(palpate.Sensor):
     def __init__(self, finger):
         super().__init__(finger)
-        self.felt, self.reads = [], 0
+        self.sensed, self.reads = [], 0
 
     def read(self):
         self.reads += 1
-        return self.felt
+        return self.sensed
 
 
 class JointArm(palpate.Arm):
@@ -268,11 +268,11 @@ class PickWithParts(unittest.TestCase):
         class Gel(Tip):
             def read(self):
                 super().read()
-                felt = [c for c in self.felt if np.any(c.normal)]
+                contacts = [c for c in self.sensed if np.any(c.normal)]
                 return palpate.Contacts(
-                    np.reshape([c.point for c in felt], (-1, 3)),
-                    np.reshape([c.normal for c in felt], (-1, 3)),
-                    np.reshape([c.force for c in felt], (-1, 3)),
+                    np.reshape([c.point for c in contacts], (-1, 3)),
+                    np.reshape([c.normal for c in contacts], (-1, 3)),
+                    np.reshape([c.force for c in contacts], (-1, 3)),
                 )
 
         self.use(Lift(), Gel(self.first))

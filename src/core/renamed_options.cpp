@@ -30,7 +30,7 @@ constexpr std::array<Rename, 11> kRenamedKeys{{
 }};
 
 /// Parts of keys, between dots.
-constexpr std::array<Rename, 44> kRenamedParts{{
+constexpr std::array<Rename, 45> kRenamedParts{{
     {"felt", "tracking"},
     {"feel", "height_probe"},
     {"locate", "estimation"},
@@ -42,6 +42,7 @@ constexpr std::array<Rename, 44> kRenamedParts{{
     {"other_stance", "other_stable_pose"},
     {"felt_sigma", "probed_height_sigma"},
     {"swept_sigma", "free_space_sigma"},
+    {"unfelt_force", "unsensed_force"},
     {"false_truth", "corrupted_truth"},
     {"twist", "torsional_friction_radius"},
     {"most_touches", "max_touches"},

@@ -87,7 +87,7 @@ Matrix6d motion_covariance(const EstimationOptions& options, const MeasuredMotio
   return variance.asDiagonal();
 }
 
-/// By how much it may have turned about an axis, unfelt.
+/// By how much it may have turned about an axis, unsensed.
 void loosen(const localization::FreeAxis& axis, double sigma, PosePrior& prior) {
   for (auto& component : prior.components) {
     Vector6d turn;

@@ -85,7 +85,7 @@ struct BeliefRecorder::Impl {
     while (true) {
       const Item item = queue.pop();
       if (std::holds_alternative<std::monostate>(item)) return;
-      if (const auto* reading = std::get_if<hand::HandReading>(&item)) feel(*reading);
+      if (const auto* reading = std::get_if<hand::HandReading>(&item)) update(*reading);
       if (const auto* event = std::get_if<TouchEvent>(&item)) note(*event);
     }
   }
@@ -108,7 +108,7 @@ struct BeliefRecorder::Impl {
     if (observer) observer(beliefs.back());
   }
 
-  void feel(const hand::HandReading& reading) {
+  void update(const hand::HandReading& reading) {
     log.readings.push_back(reading);
     if (!follower) return;
     follower->update(reading);
@@ -136,7 +136,7 @@ struct BeliefRecorder::Impl {
         if (options.online) follow(posterior);
       }
     } catch (const BadInput&) {
-      // What was felt cannot be of this object; what was believed before stays.
+      // What was sensed cannot be of this object; what was believed before stays.
     }
   }
 

@@ -23,7 +23,7 @@ constexpr double kGap = 0.2;          // s
 constexpr std::size_t kDelay = 20;    // readings
 constexpr double kJitter = 0.003;     // s
 constexpr double kFalseShare = 0.1;   // of the readings of a fingertip
-constexpr double kTaxelSize = 0.004;  // m around it in which nothing is felt
+constexpr double kTaxelSize = 0.004;  // m around it in which nothing is sensed
 constexpr double kSaturated = 30;     // N
 
 TipContact contact_of(double force) {

@@ -15,7 +15,7 @@
 #include "skills/command_gate.hpp"
 #include "skills/reading_gate.hpp"
 #include "skills/safe_posture.hpp"
-#include "skills/unfelt_force.hpp"
+#include "skills/unsensed_force.hpp"
 #include "skills/watchdog.hpp"
 
 namespace palpate::skills {
@@ -47,7 +47,7 @@ std::vector<hand::BasePosition> way_to(const hand::BasePosition& from,
   return way;
 }
 
-/// What a hand would read that stands where it is commanded and feels nothing.
+/// What a hand would read that stands where it is commanded and senses nothing.
 hand::HandReading at_rest(const hand::Description& hand, const hand::HandCommand& command) {
   return {.joints = hand::joints_in_free_flexion(hand, command.positions),
           .torques = hand::ActuatorVector::Zero(hand.actuator_count()),
@@ -70,7 +70,7 @@ Executor::Executor(hand::Hand& hand, const hand::Description& model, const hand:
       exceptions_(std::uncaught_exceptions()),
       readings_(std::make_unique<ReadingGate>(model, safety_.options)),
       commands_(std::make_unique<CommandGate>(model.actuators, start, safety_.options)),
-      unfelt_(std::make_unique<UnfeltForce>(model, safety_.options.unfelt_force)) {
+      unsensed_(std::make_unique<UnsensedForce>(model, safety_.options.unsensed_force)) {
   const double limit = safety_.options.watchdog;
   if (limit > 0) watchdog_ = std::make_unique<Watchdog>(safety_.stop_drives, limit);
   try {
@@ -147,7 +147,7 @@ void Executor::tick() {
     stop_for(Fault::log_full, fmt::format("{} readings are kept", log_.readings.size()));
   }
   if (grip_) grip_->law.advance(command_, reading(), grip_->max_torque, grip_->active);
-  if (!log_.readings.empty()) limit_unfelt();
+  if (!log_.readings.empty()) limit_unsensed_force();
   try {
     command_ = commands_->limited(command_);
   } catch (const BadInput& error) {
@@ -159,9 +159,9 @@ void Executor::tick() {
   }
 }
 
-/// Fingers that something holds up without their feeling it press no further.
-void Executor::limit_unfelt() {
-  for (const int finger : unfelt_->limit(command_, commands_->last(), reading())) suspect(finger);
+/// Fingers that something holds up without their sensing it press no further.
+void Executor::limit_unsensed_force() {
+  for (const int finger : unsensed_->limit(command_, commands_->last(), reading())) suspect(finger);
 }
 
 /// One step of the hand. @return whether it gave a reading that can be used

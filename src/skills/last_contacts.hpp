@@ -7,7 +7,8 @@
 
 namespace palpate::skills {
 
-/// Mean place over the table of the fingertip contacts felt last, if any was felt, m; within reach.
+/// Mean place over the table of the fingertip contacts sensed last, if any was sensed, m; within
+/// reach.
 std::optional<Eigen::Vector2d> place_of_last_contacts(const Executor& robot);
 
 }  // namespace palpate::skills

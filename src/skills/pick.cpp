@@ -15,7 +15,7 @@
 #include "palpate/skills/grasp/track_phase.hpp"
 #include "palpate/skills/place/place_phase.hpp"
 #include "palpate/skills/probe/probe_phase.hpp"
-#include "skills/explore/felt_size.hpp"
+#include "skills/explore/extents.hpp"
 #include "skills/explore/touch_test_phase.hpp"
 #include "skills/grasp/pose_phase.hpp"
 #include "skills/grasp/release_phase.hpp"
@@ -198,8 +198,8 @@ class Picking {
     state_.next_grasp.reset();
   }
 
-  /// Tests the fingers that are in doubt. @return whether they feel: the attempt, which the doubt
-  /// ended, does not count
+  /// Tests the fingers that are in doubt. @return whether all sense contact: the attempt, which the
+  /// doubt ended, does not count
   bool only_doubted() {
     if (robot_.suspects().empty()) return false;
     const std::size_t before = robot_.survived().size();
@@ -207,7 +207,7 @@ class Picking {
     return robot_.suspects().empty() && robot_.survived().size() == before;
   }
 
-  /// Feels, holds and lifts the object, from other sides too while that tells more of its pose.
+  /// Touches, holds and lifts the object, from other sides too while that tells more of its pose.
   bool attempt() {
     if (!sequence_.run(HeightProbePhase(options_.height_probe, tallest(estimator_.candidates()))))
       return false;
@@ -277,7 +277,7 @@ class Picking {
     return !in_doubt || probe(estimation::TouchEvent::held);
   }
 
-  /// @return whether the object is still held, as far as was felt
+  /// @return whether the object is still held, as far as was sensed
   bool probe(estimation::TouchEvent instant) {
     if (options_.palpation.none()) return true;
     return sequence_.run(PalpationPhase(estimator_, options_.palpation, options_.grasp, instant));

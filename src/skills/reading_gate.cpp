@@ -15,7 +15,7 @@ namespace {
 constexpr double kClockDrift = 1e-3;    // of the hand's clock against the ticks, that is allowed
 constexpr double kStandsStill = 0.1;    // rad within which a joint counts as standing still
 constexpr double kMountStands = 0.002;  // m within which the mount counts as standing still
-constexpr double kFeltForce = 0.1;      // N at which a fingertip feels something
+constexpr double kSensedForce = 0.1;    // N at which a fingertip senses something
 
 bool finite(const hand::HandReading& reading) {
   return reading.joints.allFinite() && reading.torques.allFinite() &&
@@ -176,7 +176,7 @@ ReadingCheck ReadingGate::check_repeats(const hand::HandReading& reading) {
           fmt::format("{} repeat the same values for {} readings", what, options_.max_repeats)};
 }
 
-/// A fingertip whose contacts are impossible, or repeat themselves, is one that feels nothing.
+/// A fingertip whose contacts are impossible, or repeat themselves, is one that senses nothing.
 ReadingCheck ReadingGate::check_touch(hand::HandReading& reading) {
   int usable = 0;
   for (std::size_t finger = 0; finger < hand_.fingers.size(); ++finger) {
@@ -202,10 +202,10 @@ ReadingCheck ReadingGate::check_touch(hand::HandReading& reading) {
 ReadingCheck ReadingGate::check_load(const hand::HandReading& reading) {
   const double load = reading.base_force.norm();
   if (load <= options_.max_load) return {};
-  const bool felt = hand::count_contacts(reading, kFeltForce) > 0;
-  return {true, felt ? Fault::excess_force : Fault::unfelt_load,
+  const bool sensed = hand::count_contacts(reading, kSensedForce) > 0;
+  return {true, sensed ? Fault::excess_force : Fault::unsensed_load,
           fmt::format("the mount bears {:.1f} N of at most {:.1f}{}", load, options_.max_load,
-                      felt ? "" : ", and no fingertip has a contact")};
+                      sensed ? "" : ", and no fingertip has a contact")};
 }
 
 /// A finger that presses on something is held up by that, not stuck.

@@ -12,10 +12,10 @@ class TouchDetector {
   /// @param force  N, of a single reading that counts as touch
   explicit TouchDetector(double force) : force_(force) {}
 
-  /// @param felt  N, normal force of this tick
+  /// @param normal_force  N, of this tick
   /// @return whether it touches
-  bool update(double felt) {
-    sum_ = std::clamp(sum_ + felt - kForgotten * force_, 0.0, force_);
+  bool update(double normal_force) {
+    sum_ = std::clamp(sum_ + normal_force - kForgotten * force_, 0.0, force_);
     return sum_ > (1 - kForgotten) * force_;
   }
 

@@ -43,7 +43,7 @@ class HeldStream:
         }
         self.sent = 0
 
-    def feel_by_taxels(self, path):
+    def report_as_taxels(self, path):
         """Tells contacts as raw values of taxels from now on, one where each contact was; writes
         their layout."""
         rows = ["finger,x,y,z,nx,ny,nz,gain,zero"]
@@ -64,7 +64,7 @@ class HeldStream:
                 self.messages["/taxels/" + finger] = arrays
         path.write_text("\n".join(rows) + "\n")
 
-    def feel_by_wrenches(self):
+    def report_as_wrenches(self):
         """Tells contacts as the wrench on each fingertip from now on, at the origin of its link."""
         for topic in [name for name in self.messages if name.startswith("/contacts/")]:
             clouds, told = self.messages.pop(topic), []

@@ -106,7 +106,7 @@ class Estimator(Ros2):
         self.assertEqual(report["received"]["out_of_order"], 0)
         self.assertGreaterEqual(report["estimates"], 1)
         self.assertGreater(len(poses), 0)
-        truth = self.stream.estimated  # by the pick, from all that it had felt
+        truth = self.stream.estimated  # by the pick, from all that it had sensed
         for pose in poses:
             self.assertEqual(pose.header.frame_id, "world")
             self.assertTrue(ros2_peer.is_finite_pose(pose.pose.pose))
@@ -114,7 +114,7 @@ class Estimator(Ros2):
         self.assertLess(math.dist(position(poses[-1].pose.pose), truth), 0.1)
 
     def test_raw_values_of_taxels_give_the_pose(self):
-        self.stream.feel_by_taxels(self.folder / "taxels.csv")
+        self.stream.report_as_taxels(self.folder / "taxels.csv")
         program = self.begin("--taxel-layout", "taxels.csv")
         sent, poses, _ = self.send_until_estimated(START)
         report = self.end(program)
@@ -125,7 +125,7 @@ class Estimator(Ros2):
         self.assertLess(math.dist(position(poses[-1].pose.pose), self.stream.estimated), 0.1)
 
     def test_wrenches_on_fingertips_give_the_pose(self):
-        self.stream.feel_by_wrenches()
+        self.stream.report_as_wrenches()
         program = self.begin()
         sent, poses, _ = self.send_until_estimated(START)
         report = self.end(program)

@@ -107,13 +107,14 @@ TEST(EstimateHeldPose, WhatMayHaveFallenRestsAsTheLogTells) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
   EventLog log = s.log;
-  const auto felt = std::find_if(log.moments.begin(), log.moments.end(), [](const auto& moment) {
+  const auto probed = std::find_if(log.moments.begin(), log.moments.end(), [](const auto& moment) {
     return moment.event == TouchEvent::height_probed;
   });
-  ASSERT_NE(felt, log.moments.end());
-  const Eigen::Vector2d place = estimation::place_under_hand(s.model, log.readings[felt->reading]);
+  ASSERT_NE(probed, log.moments.end());
+  const Eigen::Vector2d place =
+      estimation::place_under_hand(s.model, log.readings[probed->reading]);
   EXPECT_LT(place.norm(), 0.005);  // the hand came down over the rough place
-  log.moments.insert(felt + 1, {TouchEvent::fallen, felt->reading});
+  log.moments.insert(probed + 1, {TouchEvent::fallen, probed->reading});
   const auto fallen =
       PoseEstimator(s.object, s.locate_options, PickedBox::kSeed).resting(s.model, log);
   const auto wider = PoseEstimator(s.object, of_fallen(s.locate_options, place), PickedBox::kSeed)
@@ -203,7 +204,7 @@ TEST(EstimateHeldPose, BalancedForcesChangeTheEstimateALittle) {
                                               mode.T_frame_object, s.object.object().symmetries);
   EXPECT_LT(error.rotation, 0.05);
   EXPECT_LT(error.translation, 0.003);
-  // Before the lift the table bears a part that nobody feels.
+  // Before the lift the table bears a part that no fingertip senses.
   const auto closed = held_pose(s.log, s.locate_options, 1, TouchEvent::closed);
   const auto same = held_pose(s.log, options, 1, TouchEvent::closed);
   EXPECT_EQ(same.posterior.modes[0].T_frame_object.matrix(),

@@ -63,7 +63,7 @@ TEST(StoppingHeights, AHandBesideTheObjectIsStoppedByTheTable) {
   }
 }
 
-TEST(FeltLikelihoods, AreGreatestForTheStablePoseThatIsAsTall) {
+TEST(ProbedHeightLikelihoods, AreGreatestForTheStablePoseThatIsAsTall) {
   const auto box = box_of(0.05, 0.094, 0.175);
   for (std::size_t i = 0; i < box.stable_poses.size(); ++i) {
     const double top = geometry::top_of(box, box.stable_poses[i]);
@@ -71,7 +71,7 @@ TEST(FeltLikelihoods, AreGreatestForTheStablePoseThatIsAsTall) {
         probed_height_likelihoods(box, skills::soft_shadow(), flat_at(top), {{0, 0}, 0.02}, 0.005);
     ASSERT_EQ(likelihoods.size(), box.stable_poses.size());
     const double most = *std::max_element(likelihoods.begin(), likelihoods.end());
-    EXPECT_NEAR(likelihoods[i], most, 0.01) << "felt " << top;
+    EXPECT_NEAR(likelihoods[i], most, 0.01) << "probed " << top;
     for (std::size_t j = 0; j < likelihoods.size(); ++j) {
       const double other = geometry::top_of(box, box.stable_poses[j]);
       if (std::abs(other - top) > 0.02) {

@@ -55,13 +55,13 @@ class HeldPoseFollowerTest : public testing::Test {
 
   /// Where it touches.
   Eigen::Vector3d spot(double bend) {
-    const hand::HandReading felt = touching(bend);
-    return tip_pose(felt) * felt.contacts[1][0].p;
+    const hand::HandReading sensed = touching(bend);
+    return tip_pose(sensed) * sensed.contacts[1][0].p;
   }
 
-  Eigen::Isometry3d tip_pose(const hand::HandReading& felt) const {
+  Eigen::Isometry3d tip_pose(const hand::HandReading& sensed) const {
     const auto tip = static_cast<std::size_t>(hand.fingers[1].link);
-    return hand::forward_kinematics(hand, felt.joints)[tip];
+    return hand::forward_kinematics(hand, sensed.joints)[tip];
   }
 
   /// The box upright, with the middle of its right face at a place.

@@ -47,21 +47,21 @@ class OnlineTrackerTest : public testing::Test {
 };
 
 TEST_F(OnlineTrackerTest, StaysUntilTheHandLiftsWhatItTouches) {
-  OnlineTracker felt(object, hand, at({0.1, 0, 0.05}), options, 1);
-  felt.update(reading({0, 0, 0.3}, false));
-  felt.update(reading({0.02, 0, 0.2}, false));
-  felt.update(reading({0.04, 0, 0.2}, true));  // pushes perhaps, but has not risen
-  EXPECT_EQ(felt.T_world_object().translation(), Eigen::Vector3d(0.1, 0, 0.05));
-  felt.update(reading({0.04, 0, 0.25}, false));  // rises with nothing
-  EXPECT_EQ(felt.T_world_object().translation(), Eigen::Vector3d(0.1, 0, 0.05));
-  felt.update(reading({0.04, 0, 0.26}, true));
-  felt.update(reading({0.05, 0.02, 0.30}, true));
-  EXPECT_LT((felt.T_world_object().translation() - Eigen::Vector3d(0.11, 0.02, 0.10)).norm(),
+  OnlineTracker tracker(object, hand, at({0.1, 0, 0.05}), options, 1);
+  tracker.update(reading({0, 0, 0.3}, false));
+  tracker.update(reading({0.02, 0, 0.2}, false));
+  tracker.update(reading({0.04, 0, 0.2}, true));  // pushes perhaps, but has not risen
+  EXPECT_EQ(tracker.T_world_object().translation(), Eigen::Vector3d(0.1, 0, 0.05));
+  tracker.update(reading({0.04, 0, 0.25}, false));  // rises with nothing
+  EXPECT_EQ(tracker.T_world_object().translation(), Eigen::Vector3d(0.1, 0, 0.05));
+  tracker.update(reading({0.04, 0, 0.26}, true));
+  tracker.update(reading({0.05, 0.02, 0.30}, true));
+  EXPECT_LT((tracker.T_world_object().translation() - Eigen::Vector3d(0.11, 0.02, 0.10)).norm(),
             1e-12);
-  felt.update(reading({0.2, 0.1, 0.5}, false));  // let go
-  EXPECT_LT((felt.T_world_object().translation() - Eigen::Vector3d(0.11, 0.02, 0.10)).norm(),
+  tracker.update(reading({0.2, 0.1, 0.5}, false));  // let go
+  EXPECT_LT((tracker.T_world_object().translation() - Eigen::Vector3d(0.11, 0.02, 0.10)).norm(),
             1e-12);
-  EXPECT_EQ(felt.estimates(), 0);
+  EXPECT_EQ(tracker.estimates(), 0);
 }
 
 TEST_F(OnlineTrackerTest, AnEstimateIsThereOnePeriodLater) {
@@ -71,7 +71,7 @@ TEST_F(OnlineTrackerTest, AnEstimateIsThereOnePeriodLater) {
   options.estimation.free_space = false;
   options.rotation_sigma = 0.02;
   options.translation_sigma = 0.004;
-  OnlineTracker felt(object, hand, at({0, 0, 0.05}), options, 1);
+  OnlineTracker tracker(object, hand, at({0, 0, 0.05}), options, 1);
   // The fingertip touches 4 mm beside where the box is believed to be: it must have been moved.
   hand::HandReading beside = reading({0, 0, 0}, true);
   const Eigen::Isometry3d T_base_tip =
@@ -81,12 +81,12 @@ TEST_F(OnlineTrackerTest, AnEstimateIsThereOnePeriodLater) {
   beside.base.xyz = Eigen::Vector3d(0.029, 0, 0.05) - T_base_tip * p;
   beside.contacts[1] = {{.p = p, .n = n, .f = -2 * n}};
   for (int i = 0; i < 5; ++i) {
-    felt.update(beside);
-    EXPECT_EQ(felt.T_world_object().translation(), Eigen::Vector3d(0, 0, 0.05)) << i;
+    tracker.update(beside);
+    EXPECT_EQ(tracker.T_world_object().translation(), Eigen::Vector3d(0, 0, 0.05)) << i;
   }
-  felt.update(beside);
-  EXPECT_GT(felt.T_world_object().translation().x(), 0.001);
-  EXPECT_EQ(felt.estimates(), 2);
+  tracker.update(beside);
+  EXPECT_GT(tracker.T_world_object().translation().x(), 0.001);
+  EXPECT_EQ(tracker.estimates(), 2);
 }
 
 TEST_F(OnlineTrackerTest, NeedsAPose) {

@@ -71,7 +71,7 @@ TEST(Faults, ANumbFingertipIsNotBelievedAndTheObjectIsPicked) {
   for (std::uint64_t i = 0; i < 3; ++i) {
     const Trial trial = run_trial(box(), options_with(InjectedFault::finger_silent, 0), kSeed + i);
     if (trial.result.fault) {
-      EXPECT_EQ(trial.result.fault.fault, Fault::unfelt_load);
+      EXPECT_EQ(trial.result.fault.fault, Fault::unsensed_load);
     }
     lifted += trial.metrics.lifted;
   }

@@ -179,8 +179,8 @@ TEST(Trial, WhatHasSlippedIsPressedHarder) {
   EXPECT_TRUE(trial.result.held);
 }
 
-/// Of a mug that is felt by closing the hand alone, so that its pose stays unknown, in a scene in
-/// which that holds it.
+/// Of a mug that is touched by closing the hand alone, so that its pose stays unknown, in a scene
+/// in which that holds it.
 Trial run_blind_trial(int attempts) {
   TrialOptions options = quick_options();
   options.pick.explore.touches = 0;
@@ -189,7 +189,7 @@ Trial run_blind_trial(int attempts) {
   return run_trial(model("mug"), options, kSeed + 2);
 }
 
-TEST(Trial, WhatIsHeldInAnUnknownPoseIsPutDownAndFeltAnew) {
+TEST(Trial, WhatIsHeldInAnUnknownPoseIsPutDownAndTouchedAgain) {
   const Trial trial = run_blind_trial(2);
   EXPECT_GE(trial.result.attempts, 2);  // those in which the grip gives way do not count
   std::vector<std::string> names;

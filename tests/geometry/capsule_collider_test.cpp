@@ -104,7 +104,7 @@ TEST(CapsuleCollider, InAnInnerCornerItTouchesBothWalls) {
   EXPECT_NEAR(contacts[0].normal.dot(contacts[1].normal), 0, 1e-9);
 }
 
-TEST(CapsuleCollider, TheFarSideOfAThinWallIsNotFelt) {
+TEST(CapsuleCollider, TheFarSideOfAThinWallIsNotTouched) {
   const MeshQuery mesh(slab(0.1, 0.1, 0.001));
   const auto contacts = CapsuleCollider(mesh).contacts(ball({0.01, 0.02, 0.0005 + 0.004}), 0, 4);
   ASSERT_EQ(contacts.size(), 1u);

@@ -12,7 +12,7 @@
 namespace palpate::grasping {
 namespace {
 
-/// Only the taxels near the middle of the felt side are loaded, all alike.
+/// Only the taxels near the middle of the sensing side are loaded, all alike.
 tactile::SkinState pressed_evenly(const tactile::BiotacSkin& skin, const Eigen::Vector3d& p,
                                   double reach) {
   tactile::SkinState state;

@@ -41,8 +41,8 @@ struct PromptArm : Arm {
 };
 
 struct PromptSensor : Sensor {
-  std::optional<std::vector<TipContact>> read() override { return felt; }
-  std::optional<std::vector<TipContact>> felt = std::vector<TipContact>{};
+  std::optional<std::vector<TipContact>> read() override { return sensed; }
+  std::optional<std::vector<TipContact>> sensed = std::vector<TipContact>{};
 };
 
 TipContact contact_at(double x) {
@@ -56,7 +56,7 @@ HandCommand command_at(double z) {
   return command;
 }
 
-/// Fingers that feel something at their first two tips and bear a load.
+/// Fingers that sense something at their first two tips and bear a load.
 struct Parts {
   FakeHand fingers{[this](HandReading& reading) {
     ++steps;
@@ -78,10 +78,10 @@ std::string failure_of(AssembledHand& hand, const HandCommand& command) {
   return {};
 }
 
-TEST(AssembledHand, AnArmCarriesAndSensorsFeel) {
+TEST(AssembledHand, AnArmCarriesAndSensorsSense) {
   Parts parts;
-  parts.pad.felt = {contact_at(0.3)};
-  parts.tip.felt = {contact_at(0.4), contact_at(0.5)};
+  parts.pad.sensed = {contact_at(0.3)};
+  parts.tip.sensed = {contact_at(0.4), contact_at(0.5)};
   AssembledHand hand(parts.fingers, &parts.arm, {{&parts.pad, 0, "pad"}, {&parts.tip, 0, "tip"}});
   const HandReading reading = hand.step(command_at(0.2));
   EXPECT_EQ(parts.arm.target.xyz.z(), 0.2);
@@ -112,9 +112,9 @@ TEST(AssembledHand, TheTimeStaysWhileAPartHasNothingNewer) {
   Parts parts;
   AssembledHand hand(parts.fingers, &parts.arm, {{&parts.pad, 0, "pad"}});
   const double first = hand.step(command_at(0)).time;
-  const auto felt = std::exchange(parts.pad.felt, std::nullopt);
+  const auto sensed = std::exchange(parts.pad.sensed, std::nullopt);
   EXPECT_EQ(hand.step(command_at(0)).time, first);
-  parts.pad.felt = felt;
+  parts.pad.sensed = sensed;
   EXPECT_EQ(hand.step(command_at(0)).time, first + 2 * kTick);
   parts.arm.silent = true;
   EXPECT_EQ(hand.step(command_at(1)).time, first + 2 * kTick);
@@ -148,7 +148,7 @@ TEST(AssembledHand, AtFirstItWaitsForEveryPart) {
   EXPECT_EQ(parts.steps, 4);
 
   Parts mute;
-  mute.pad.felt.reset();
+  mute.pad.sensed.reset();
   AssembledHand never(mute.fingers, nullptr, {{&mute.pad, 2, "pad"}});
   EXPECT_EQ(failure_of(never, command_at(0)), "the sensor 'pad': no new reading for 0.25 s");
 }

@@ -6,7 +6,7 @@
 
 namespace palpate::hand {
 
-/// A reading of a hand at rest that feels nothing: all zero.
+/// A reading of a hand at rest that senses nothing: all zero.
 inline HandReading resting_reading(const Description& hand = shadow_hand()) {
   HandReading reading;
   reading.joints.setZero(hand.joint_count());

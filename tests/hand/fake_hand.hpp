@@ -9,7 +9,7 @@
 
 namespace palpate::hand {
 
-/// A hand that is at once where it is commanded; a script says what it feels. As those of any
+/// A hand that is at once where it is commanded; a script says what it senses. As those of any
 /// sensor its readings never repeat bit for bit.
 class FakeHand : public hand::Hand {
  public:

@@ -60,7 +60,7 @@ TEST(Localize, PointsWithoutNormalsSufficeWhereThereAreMany) {
   EXPECT_GE(successes, 7);
 }
 
-/// Each touch is felt by a pad of which any of three points may be the one that touches.
+/// Each touch is sensed by a pad of which any of three points may be the one that touches.
 TEST(Localize, FindsWhichCandidatesTouch) {
   const geometry::ObjectModel& model = model_of("bracket");
   SceneOptions options;

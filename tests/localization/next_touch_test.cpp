@@ -70,7 +70,7 @@ TEST(InformationBound, OfWeightedPosesIsAtMostTheirEntropy) {
   EXPECT_NEAR(information_bound(apart, {1, 0, 0}), 0, 1e-12);
 }
 
-TEST(InformationBound, AddsUpWhatSeveralFingersFeel) {
+TEST(InformationBound, AddsUpWhatSeveralFingersSense) {
   const double step = 0.004;  // twice the error of a touch: not told apart for sure
   const std::vector<PredictedTouches> one{{hit_at(0)}, {hit_at(step)}};
   const std::vector<PredictedTouches> two{{hit_at(0), hit_at(0)}, {hit_at(step), hit_at(step)}};

@@ -100,19 +100,21 @@ TEST(ReplayPageTest, PlacesLinksAndContactsInTheWorld) {
   const auto links = decoded<float>(frames["link_poses"]);
   const auto contacts = decoded<float>(frames["contacts"]);
   const auto counts = decoded<std::uint32_t>(frames["contact_counts"]);
-  std::vector<hand::TipContact> felt;
-  for (const auto& finger : reading.contacts) felt.insert(felt.end(), finger.begin(), finger.end());
-  ASSERT_GT(felt.size(), 0u);
-  ASSERT_EQ(counts.at(0), felt.size());
-  ASSERT_EQ(contacts.size(), 7 * felt.size());
-  for (std::size_t i = 0; i < felt.size(); ++i) {
-    const Eigen::Vector3d p = T_world_distal * felt[i].p, n = T_world_distal.linear() * felt[i].n;
+  std::vector<hand::TipContact> sensed;
+  for (const auto& finger : reading.contacts)
+    sensed.insert(sensed.end(), finger.begin(), finger.end());
+  ASSERT_GT(sensed.size(), 0u);
+  ASSERT_EQ(counts.at(0), sensed.size());
+  ASSERT_EQ(contacts.size(), 7 * sensed.size());
+  for (std::size_t i = 0; i < sensed.size(); ++i) {
+    const Eigen::Vector3d p = T_world_distal * sensed[i].p;
+    const Eigen::Vector3d n = T_world_distal.linear() * sensed[i].n;
     for (int k = 0; k < 3; ++k) {
       const auto at = 7 * i + static_cast<std::size_t>(k);
       EXPECT_NEAR(contacts[at], p[k], 1e-6);
       EXPECT_NEAR(contacts[at + 3], n[k], 1e-6);
     }
-    EXPECT_NEAR(contacts[7 * i + 6], -felt[i].f.dot(felt[i].n), 1e-6);
+    EXPECT_NEAR(contacts[7 * i + 6], -sensed[i].f.dot(sensed[i].n), 1e-6);
   }
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(links[static_cast<std::size_t>(14 + k)], T_world_distal.translation()[k], 1e-6);
@@ -149,7 +151,7 @@ TEST(ReplayPageTest, TellsPhasesInOrder) {
   recording.events.push_back({1.0, EventKind::begin, "lift", ""});
   const auto phases = data_of(page_of(recording))["phases"];
   ASSERT_EQ(phases.size(), 3u);
-  EXPECT_EQ(phases[0]["name"], "feel");
+  EXPECT_EQ(phases[0]["name"], "height_probe");
   EXPECT_EQ(phases[0]["end"], 0.5);
   EXPECT_EQ(phases[0]["outcome"], "81 mm tall: side grasp");
   EXPECT_EQ(phases[2]["outcome"], "");

@@ -121,9 +121,9 @@ inline Recording toy_recording(int ticks, const hand::Description& hand = toy_ha
   for (int tick = 0; tick < ticks; ++tick)
     recording.frames.push_back(toy_frame(hand, tick, random));
   const double end = ticks * hand::kTick;
-  recording.events = {{0, EventKind::begin, "feel", ""},
-                      {end / 2, EventKind::note, "feel", "a \"quoted\" line\nand another"},
-                      {end / 2, EventKind::end, "feel", "81 mm tall: side grasp"},
+  recording.events = {{0, EventKind::begin, "height_probe", ""},
+                      {end / 2, EventKind::note, "height_probe", "a \"quoted\" line\nand another"},
+                      {end / 2, EventKind::end, "height_probe", "81 mm tall: side grasp"},
                       {end / 2, EventKind::begin, "grasp", ""},
                       {end, EventKind::end, "grasp", "4 fingers"}};
   recording.estimates = {toy_estimate(end / 2, random), toy_estimate(end, random)};

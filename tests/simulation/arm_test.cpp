@@ -252,7 +252,7 @@ TEST(World, AnArmCarriesTheHandToWhereItIsTold) {
   EXPECT_LT(reading.base_force.norm(), 0.5) << "the hand hangs free";
 }
 
-TEST(World, AnArmFeelsWhatTheHandStandsOn) {
+TEST(World, AnArmSensesWhatTheHandStandsOn) {
   World world(block(), with_arm(example_arm()), 1);
   hand::HandCommand command = waiting(world.hand_model());
   world.reset({.xy = {0.4, 0.4}}, command);

@@ -99,7 +99,7 @@ TEST(DescribeHand, FitsACapsuleOfAWedgesWidthToAFingertipOfMeshOrBox) {
   EXPECT_NEAR((tip.b - tip.a).norm(), 0.025, 1e-9) << "its outer end only";
 }
 
-TEST(DescribeHand, FeelsTheCornersOfALinkWithItsBalls) {
+TEST(DescribeHand, SensesTheCornersOfALinkWithItsBalls) {
   const auto hand = described("mimic.urdf", kHandUrdf);
   double farthest = 0;
   for (const auto& sphere : hand.spheres) {

@@ -77,7 +77,7 @@ TEST(ObjectStep, TheGraspHolds) {
 }
 
 TEST(ObjectStep, ForcesMakeTheChangeOfMomentum) {
-  double felt = 0;
+  double largest = 0;
   for (const ObjectStep& step : recorded_grasp().steps) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const ObjectContact& contact : step.contacts) {
@@ -86,9 +86,9 @@ TEST(ObjectStep, ForcesMakeTheChangeOfMomentum) {
     const Eigen::Vector3d expected = step.momentum_change / kTimeStep - step.gravity;
     ASSERT_LT((sum - expected).norm(), 0.02 * std::max(expected.norm(), step.gravity.norm()))
         << "at " << step.time << " s";
-    felt = std::max(felt, sum.norm());
+    largest = std::max(largest, sum.norm());
   }
-  EXPECT_GT(felt, 1);
+  EXPECT_GT(largest, 1);
 }
 
 TEST(ObjectStep, ForcesStayWithinTheFrictionConeOfTheReportedNormal) {

@@ -42,7 +42,7 @@ TEST(Scene, TheBaseHasInertiaAtEveryPitch) {
   }
 }
 
-TEST(Scene, ASecondObjectRestsOnTheTableAndIsFelt) {
+TEST(Scene, ASecondObjectRestsOnTheTableAndIsSensed) {
   const geometry::KnownObject object = block();
   const geometry::MeshQuery mesh(object.mesh);
   const geometry::CapsuleCollider surface(mesh);

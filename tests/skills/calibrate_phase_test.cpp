@@ -124,7 +124,7 @@ TEST(CalibratePhase, KnowsLessFromNoisierTouches) {
   EXPECT_LT(calibrated.kinematic_error, drawn.kinematic_error);
 }
 
-TEST(CalibratePhase, LeavesTheHandThatFeelsNothing) {
+TEST(CalibratePhase, LeavesTheHandThatSensesNothing) {
   hand::FakeHand hand;
   hand::Description model = drawn_hand();
   model.kinematic_error = 0.002;
@@ -143,7 +143,7 @@ TEST(CalibratePhase, LeavesTheHandWhoseTouchesContradictOneAnother) {
   hand::Description model = drawn_hand();
   model.kinematic_error = 0.002;
   int ticks = 0;
-  hand::FakeHand hand([&](hand::HandReading& reading) {  // feels things in the air, ever higher
+  hand::FakeHand hand([&](hand::HandReading& reading) {  // senses things in the air, ever higher
     if (reading.base.xyz.z() > 0.2) return;
     for (auto& contacts : reading.contacts) {
       contacts = {{{0, 0.03 * std::sin(0.01 * ++ticks), 0.02}, {0, 1, 0}, {0, -1, 0}}};

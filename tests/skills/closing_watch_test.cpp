@@ -13,38 +13,40 @@ const int kDrive = hand::closing_actuators(kHand, kHand.thumb).front();
 const hand::ActuatorVector kContactTorque =
     hand::ActuatorVector::Constant(kHand.actuator_count(), 0.1);
 
-hand::HandReading reading_of(double torque, bool felt) {
+hand::HandReading reading_of(double torque, bool sensed) {
   hand::HandReading reading = hand::resting_reading(kHand);
   const bool closes_up = kHand.actuators[static_cast<std::size_t>(kDrive)].closing > 0;
   reading.torques[kDrive] = closes_up ? torque : -torque;
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  if (felt) reading.contacts[static_cast<std::size_t>(kHand.thumb)] = {{0.01 * up, up, -up}};
+  if (sensed) reading.contacts[static_cast<std::size_t>(kHand.thumb)] = {{0.01 * up, up, -up}};
   return reading;
 }
 
 /// Ticks until it is noticed that the thumb is held up; -1: it never is.
-int ticks_until_noticed(double torque, double friction, bool felt) {
-  UnfeltThumb thumb(kHand, kContactTorque);
+int ticks_until_noticed(double torque, double friction, bool sensed) {
+  UnsensedThumbContact thumb(kHand, kContactTorque);
   const hand::ActuatorVector frictions = reading_of(friction, false).torques;
   for (int tick = 1; tick <= 50; ++tick) {
-    if (thumb.update(reading_of(torque, felt), frictions)) return tick;
+    if (thumb.update(reading_of(torque, sensed), frictions)) return tick;
   }
   return -1;
 }
 
-TEST(UnfeltThumb, IsNoticedOnceItHasPressedForAWhile) {
+TEST(UnsensedThumbContact, IsNoticedOnceItHasPressedForAWhile) {
   EXPECT_EQ(ticks_until_noticed(0.08, 0, false), 10);
 }
 
-TEST(UnfeltThumb, FrictionIsNoPress) {
+TEST(UnsensedThumbContact, FrictionIsNoPress) {
   EXPECT_EQ(ticks_until_noticed(0.08, 0.05, false), -1);
   EXPECT_EQ(ticks_until_noticed(0.14, 0.05, false), 10);
 }
 
-TEST(UnfeltThumb, AThumbThatFeelsIsNotInDoubt) { EXPECT_EQ(ticks_until_noticed(0.2, 0, true), -1); }
+TEST(UnsensedThumbContact, AThumbThatSensesIsNotInDoubt) {
+  EXPECT_EQ(ticks_until_noticed(0.2, 0, true), -1);
+}
 
-TEST(UnfeltThumb, TheDoubtEndsWithTheTorque) {
-  UnfeltThumb thumb(kHand, kContactTorque);
+TEST(UnsensedThumbContact, TheDoubtEndsWithTheTorque) {
+  UnsensedThumbContact thumb(kHand, kContactTorque);
   const hand::ActuatorVector none = hand::ActuatorVector::Zero(kHand.actuator_count());
   for (int tick = 1; tick <= 100; ++tick) {
     EXPECT_FALSE(thumb.update(reading_of(tick % 9 == 0 ? 0 : 0.2, false), none));

@@ -19,7 +19,7 @@ using hand::kTick;
 
 const hand::Description kSoftHand = hand::with_soft_actuators();
 
-/// A robot at the origin whose hand feels what the script says.
+/// A robot at the origin whose hand senses what the script says.
 struct Scene {
   explicit Scene(hand::FakeHand::Script script = {}, Executor::Observer observer = {})
       : hand(std::move(script)),
@@ -241,7 +241,7 @@ TEST(EventLog, ForgetsWhatWasBeforeTheLastRelease) {
   EXPECT_FALSE(log.at(estimation::TouchEvent::closed));
 }
 
-TEST(EventLog, AnOpenedHandFeelsAnewButKnowsTheGraspBefore) {
+TEST(EventLog, AnOpenedHandStartsAgainButKnowsTheGraspBefore) {
   estimation::EventLog log;
   log.readings.resize(12);
   log.moments = {{estimation::TouchEvent::height_probed, 1},

@@ -121,7 +121,7 @@ TEST(ExplorePhase, MakesNoMoreGuardedMovesThanItsTouchesNeed) {
   EXPECT_EQ(exploring.sweeps, 4u);
 }
 
-TEST(ExplorePhase, GivesUpWhereNothingIsFelt) {
+TEST(ExplorePhase, GivesUpWhereNothingIsSensed) {
   Exploring exploring([](std::size_t) { return false; });
   exploring.options.touches = exploring.options.max_touches = 4;
   EXPECT_EQ(exploring.explore().status, PhaseStatus::failed);
@@ -209,8 +209,8 @@ TEST(ExplorePhase, WhatIsMetOnAFastWayDownStopsItAndIsATouch) {
   const auto& readings = exploring.robot.log().readings;
   const auto met = std::find_if(readings.begin(), readings.end(),
                                 [](const auto& reading) { return !reading.contacts[1].empty(); });
-  const auto felt = exploring.robot.log().all(estimation::TouchEvent::touched).front();
-  EXPECT_LT(met->base.xyz.z() - readings[felt].base.xyz.z(), 0.01);
+  const auto touched = exploring.robot.log().all(estimation::TouchEvent::touched).front();
+  EXPECT_LT(met->base.xyz.z() - readings[touched].base.xyz.z(), 0.01);
 }
 
 TEST(ExplorePhase, AHardImpactEndsASweepBeforeItsLoadHasSettled) {

@@ -69,7 +69,7 @@ TEST(FlickerFilter, NoticesFlashesWithinSecondsAndTakesThemOut) {
   }
 }
 
-TEST(FlickerFilter, ANoisyFingertipStillFeelsWhatLasts) {
+TEST(FlickerFilter, ANoisyFingertipStillSensesWhatLasts) {
   FlickerFilter filter;
   count_passed(filter, 1000, flashes(1));
   ASSERT_TRUE(filter.noisy(kFinger));

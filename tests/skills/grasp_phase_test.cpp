@@ -21,7 +21,7 @@ constexpr double kPress = 0.3;  // N of a fingertip
 /// thumb had missed the object.
 struct ClosingHand {
   explicit ClosingHand(int bad_closings)
-      : bad(bad_closings), hand([this](hand::HandReading& reading) { feel(reading); }) {
+      : bad(bad_closings), hand([this](hand::HandReading& reading) { sense(reading); }) {
     auto& box = object.object();
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = box.stable_poses[0].R_table_object;
@@ -34,7 +34,7 @@ struct ClosingHand {
     robot.wait(hand::kTick);
   }
 
-  void feel(hand::HandReading& reading) {
+  void sense(hand::HandReading& reading) {
     const bool closed = reading.joints[hand::shadow_hand().joint("FFJ3")] > kTouch;
     closings += closed && !was_closed;
     was_closed = closed;

@@ -31,7 +31,7 @@ struct OverABlock {
   PickState state;
 };
 
-TEST(HeightProbePhase, FeelsHowTallTheObjectIs) {
+TEST(HeightProbePhase, MeasuresHowTallTheObjectIs) {
   for (const double height : {0.04, 0.08, 0.15}) {
     OverABlock scene(height, {0, 0}, 0.03);
     const auto end = HeightProbePhase({}).run(scene.robot, scene.state);

@@ -32,7 +32,7 @@ TEST(PlaceStrategy, OtherWordsAreNamed) {
   }
 }
 
-TEST(PickAndPlace, WhatFellOnTheWayIsFeltForAndPickedAnew) {
+TEST(PickAndPlace, WhatFellOnTheWayIsFoundByTouchAndPickedAgain) {
   evaluation::Mishap mishap;
   mishap.options.place.strategy = "wrist";
   const auto course = pick_and_place(mishap.robot, mishap.task(), mishap.observer);

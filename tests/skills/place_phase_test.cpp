@@ -97,7 +97,7 @@ TEST(OpenPhase, OpensWhereTheHandIsAndMarksWhenItStillHeld) {
   EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::shadow_hand().actuator("FFJ3")], 0.2);
 }
 
-TEST(OpenPhase, FailsWhileTheObjectIsStillFelt) {
+TEST(OpenPhase, FailsWhileTheObjectIsStillSensed) {
   Descent descent(
       [](auto& reading) {
         reading.contacts[1] = {{{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}}};
@@ -128,7 +128,7 @@ TEST(PlacePhase, AnEarlyContactIsARefusal) {
   EXPECT_FALSE(descent.robot.log().at(estimation::TouchEvent::placed));
 }
 
-TEST(PlacePhase, NothingFeltIsNoReasonToLetGo) {
+TEST(PlacePhase, NothingSensedIsNoReasonToLetGo) {
   Descent descent([](auto& reading) { stand(reading, 0); }, 0);
   const auto report = descent.run();
   EXPECT_EQ(report.status, PhaseStatus::failed);

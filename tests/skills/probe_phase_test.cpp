@@ -65,7 +65,7 @@ struct Hold {
     options.balance = 2;  // all contacts are on top
     options.spread = 0.3;
     options.bend = 0;    // J4 alone tells where a finger is
-    options.likely = 0;  // the poses in doubt have nothing to do with what the hand feels
+    options.likely = 0;  // the poses in doubt have nothing to do with what the hand senses
     locate.search.proposals = 10000;
     locate.search.particles = 200;
     locate.free_space = false;
@@ -158,7 +158,7 @@ TEST(PalpationPhase, AHandThatLacksAFingerKeepsWhatItHolds) {
   hold.options.regrasps = 2;
   hold.probe();
   EXPECT_TRUE(hold.state.next_grasp);
-  hold.robot.distrust(4, "feels nothing");
+  hold.robot.distrust(4, "senses nothing");
   hold.probe();
   EXPECT_FALSE(hold.state.next_grasp);
 }

@@ -49,7 +49,7 @@ struct TwoMugs {
   localization::Posterior posterior;
 };
 
-TEST(MostTellingGrasp, HoldsEitherWayAndFeelsTheHandle) {
+TEST(MostTellingGrasp, HoldsEitherWayAndTouchesTheHandle) {
   const TwoMugs mugs;
   const auto grasp = mugs.choose();
   ASSERT_TRUE(grasp);

@@ -12,7 +12,7 @@ RegraspResult regrasp_through(evaluation::Mishap& mishap) {
   return regrasp(mishap.robot, mishap.task(), mishap.observer);
 }
 
-TEST(RegraspAfterALoss, LooksWhereTheObjectWasFeltLast) {
+TEST(RegraspAfterALoss, LooksWhereTheObjectWasSensedLast) {
   evaluation::Mishap mishap;
   const RegraspResult result = regrasp_through(mishap);
   ASSERT_GE(result.rounds.size(), 2u);

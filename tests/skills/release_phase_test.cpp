@@ -34,7 +34,7 @@ struct Holding {
 };
 
 /// What hangs in the hand weighs 2 N.
-void feel_weight(hand::HandReading& reading) { reading.base_force.z() += 2; }
+void bear_weight(hand::HandReading& reading) { reading.base_force.z() += 2; }
 
 TEST(ReleasePhase, AnEmptyHandDoesNotGoDown) {
   Holding holding;
@@ -87,7 +87,7 @@ TEST(ReleasePhase, TheThumbStaysOpposedUntilTheHandHasRisen) {
 }
 
 TEST(ReleasePhase, LetsGoWhereTheHandHadClosedAndGoesAway) {
-  Holding holding(feel_weight);
+  Holding holding(bear_weight);
   ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);
   // The fingers open no higher than they had closed: what hangs in them does not fall.
   double opened_at = 1;
@@ -100,7 +100,7 @@ TEST(ReleasePhase, LetsGoWhereTheHandHadClosedAndGoesAway) {
     EXPECT_LE(holding.robot.command().positions[i], 0.1);
   }
   EXPECT_GT(holding.robot.command().base.xyz.z(), Holding::kHeight + 0.1);
-  // What was felt before no longer holds.
+  // What was sensed before no longer holds.
   EXPECT_FALSE(holding.robot.log().at(estimation::TouchEvent::closed));
 }
 
@@ -138,7 +138,7 @@ TEST(ClearPhase, RisesBeforeItOpensAndTurnsLevel) {
   }
   EXPECT_EQ(holding.robot.command().base.ypr, Eigen::Vector3d::Zero());
   EXPECT_FALSE(holding.robot.log().at(
-      estimation::TouchEvent::closed));  // what was felt before no longer holds
+      estimation::TouchEvent::closed));  // what was sensed before no longer holds
 }
 
 }  // namespace

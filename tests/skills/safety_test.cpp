@@ -45,7 +45,7 @@ class WatchedHand : public hand::Hand {
   double before_ = 0;
 };
 
-/// A hand in motion, of which all fingertips but one feel something, and a fault.
+/// A hand in motion, of which all fingertips but one sense something, and a fault.
 struct FaultyScene {
   explicit FaultyScene(const hand::FaultSchedule& schedule, hand::FakeHand::Script script = {})
       : fake([script = std::move(script)](HandReading& reading) {
@@ -141,7 +141,7 @@ TEST(Safety, StandsStillInAGapAndKeepsNothingOfIt) {
   EXPECT_NEAR(scene.hand.steps - static_cast<double>(readings.size()), 20, 1);
 }
 
-TEST(Safety, DropsWhatAFaultyFingertipFeels) {
+TEST(Safety, DropsWhatAFaultyFingertipSenses) {
   for (const auto fault : {InjectedFault::finger_nan, InjectedFault::finger_stuck}) {
     FaultyScene scene({.fault = fault, .from = kFrom, .finger = 2});
     scene.run();
@@ -164,12 +164,12 @@ TEST(Safety, TooMuchLoadEndsInABaseThatGivesWay) {
   EXPECT_LT(scene.robot.reading().base_force.norm(), 5);
 }
 
-TEST(Safety, LoadThatNoFingertipFeelsIsNamed) {
+TEST(Safety, LoadThatNoFingertipSensesIsNamed) {
   FaultyScene scene({}, [](HandReading& reading) {
     for (auto& contacts : reading.contacts) contacts.clear();
     if (reading.time > kFrom) reading.base_force.x() = 100 * (reading.time - kFrom);
   });
-  EXPECT_EQ(scene.run().fault, Fault::unfelt_load);
+  EXPECT_EQ(scene.run().fault, Fault::unsensed_load);
 }
 
 TEST(Safety, ImpossibleValuesAreNamed) {

@@ -14,14 +14,14 @@ namespace {
 constexpr int kFinger = 1;
 
 /// A hand over a bare table, which bears it wherever its lowest part would be below; the finger
-/// feels that, or nothing.
+/// senses that, or nothing.
 struct OverTheTable {
-  explicit OverTheTable(bool feels)
-      : hand([feels](hand::HandReading& reading) {
+  explicit OverTheTable(bool senses)
+      : hand([senses](hand::HandReading& reading) {
           if (estimation::lowest_of_hand(soft_shadow(), reading) > 0) return;
           reading.base_force.z() = -6;
           const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-          if (feels) reading.contacts[kFinger] = {{0.01 * up, up, -2 * up}};
+          if (senses) reading.contacts[kFinger] = {{0.01 * up, up, -2 * up}};
         }),
         robot(hand, soft_shadow(), evaluation::waiting_command(soft_shadow())) {}
 
@@ -30,7 +30,7 @@ struct OverTheTable {
   PickState state;
 };
 
-TEST(TouchTestPhase, AFingertipThatFeelsTheTableIsCleared) {
+TEST(TouchTestPhase, AFingertipThatSensesTheTableIsCleared) {
   OverTheTable scene(true);
   scene.robot.suspect(kFinger);
   ASSERT_EQ(scene.robot.suspects(), std::vector<int>{kFinger});

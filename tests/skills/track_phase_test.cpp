@@ -51,7 +51,7 @@ TEST(TrackPhase, HasNothingToFollowWithoutAnEstimateBefore) {
   EXPECT_FALSE(trial.metrics.pose_ok_tracked);
 }
 
-/// A log of a hand that rises with what it holds, and feels nothing.
+/// A log of a hand that rises with what it holds, and senses nothing.
 struct Standing {
   explicit Standing(std::size_t readings)
       : hand(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"))) {

@@ -25,13 +25,13 @@ std::shared_ptr<const tactile::BiotacInverse> inverse() {
   return model;
 }
 
-TEST(BiotacHand, FeelsByTheChannelsAlone) {
+TEST(BiotacHand, SensesByTheChannelsAlone) {
   const hand::TipContact touch{.p = {-0.003, 0, -0.007}, .n = {0, 0, 1}, .f = {0.3, 0.2, -2}};
   const tactile::BiotacSkin skin;
   tactile::BiotacSensor sensor(skin, {}, RandomStream(7));
   int frames = 0;
   // Contacts that the channels do not tell of, and channels that tell of one from a while on.
-  hand::FakeHand felt([&](hand::HandReading& reading) {
+  hand::FakeHand fake([&](hand::HandReading& reading) {
     reading.contacts[1] = {touch, touch};
     const bool touches = ++frames > 40;
     hand::BiotacReading channels =
@@ -39,7 +39,7 @@ TEST(BiotacHand, FeelsByTheChannelsAlone) {
     channels.time = reading.time;
     reading.biotacs.assign(hand::kShadowFingers, channels);
   });
-  BiotacHand hand(felt, hand::one_link_hand(), inverse());
+  BiotacHand hand(fake, hand::one_link_hand(), inverse());
   const hand::HandCommand command = hand::resting_command();
   for (int k = 0; k < 40; ++k) EXPECT_TRUE(hand.step(command).contacts[1].empty()) << k;
   hand::HandReading last = hand::resting_reading();

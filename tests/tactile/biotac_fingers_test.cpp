@@ -27,7 +27,7 @@ std::shared_ptr<const BiotacInverse> inverse() {
 
 const hand::TipContact kTouch{.p = {-0.003, 0, -0.007}, .n = {0, 0, 1}, .f = {0.3, 0.2, -2}};
 
-/// A sensor that is read frame by frame, and what is felt in it.
+/// A sensor that is read frame by frame, and what is sensed in it.
 class Stream {
  public:
   BiotacReading read(double newtons) {
@@ -61,10 +61,10 @@ TEST(BiotacMount, LooksTheWayTheFingerFlexes) {
   EXPECT_LT((T.linear().col(0) - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
   const Eigen::Vector3d tip(0, 0, 0.02);
   const Eigen::Vector3d way = Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitX()) * tip - tip;
-  EXPECT_GT(way.normalized().dot(-T.linear().col(2)), 0.99);  // the felt side goes ahead
+  EXPECT_GT(way.normalized().dot(-T.linear().col(2)), 0.99);  // the sensing side goes ahead
 }
 
-TEST(BiotacFinger, FeelsATouchAfterRest) {
+TEST(BiotacFinger, SensesATouchAfterRest) {
   Stream stream;
   EXPECT_TRUE(Stream::has(stream.estimate(0), BiotacFlag::no_rest));
   stream.rest();
@@ -213,7 +213,7 @@ TEST(MeetingWay, IsTheMotionBeforeTheTouch) {
   EXPECT_FALSE(still.way());
 }
 
-/// A hand whose tips move along a way and whose first finger then feels something.
+/// A hand whose tips move along a way and whose first finger then senses something.
 hand::HandReading reading_at(int k, const Eigen::Vector3d& way, const BiotacReading& channels) {
   hand::HandReading reading = hand::resting_reading();
   reading.time = 0.01 * k;
@@ -244,7 +244,7 @@ TEST(BiotacFingers, AreBluntWhereNoElectrodeTellsThePlace) {
   EXPECT_NEAR(blunt.f.dot(way), 2, 0.3);
 }
 
-TEST(BiotacFingers, FeelTheSameAfterFollowing) {
+TEST(BiotacFingers, SenseTheSameAfterFollowing) {
   BiotacFingers asked(hand::one_link_hand(), inverse()), followed(hand::one_link_hand(), inverse());
   Stream stream;
   std::size_t contacts = 0;

@@ -48,9 +48,9 @@ TEST(BiotacSkin, CarriesExactlyTheSolversForce) {
     const double tolerance = std::max(0.05, 0.02 * contact.f.norm());
     EXPECT_LT((state.force - contact.f).norm(), tolerance);
     const Eigen::Vector3d shear = contact.f - contact.f.dot(contact.n) * contact.n;
-    const Eigen::Vector3d felt = state.force - state.force.dot(contact.n) * contact.n;
+    const Eigen::Vector3d measured = state.force - state.force.dot(contact.n) * contact.n;
     if (shear.norm() > 0.05) {
-      EXPECT_LT(angle_between_deg(shear, felt), 5);
+      EXPECT_LT(angle_between_deg(shear, measured), 5);
     }
   }
 }

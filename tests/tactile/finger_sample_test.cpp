@@ -162,11 +162,11 @@ TEST(FingerFrame, HasTheCapsulesNormalInTheWorld) {
   ASSERT_EQ(frame.contacts.size(), 2u);
   const Eigen::Isometry3d T = reading.base.pose();
   for (std::size_t i = 0; i < 2; ++i) {
-    const auto& felt = reading.contacts[1][i];
-    EXPECT_TRUE(frame.contacts[i].p.isApprox(T * felt.p));
-    EXPECT_TRUE(frame.contacts[i].f.isApprox(T.linear() * felt.f));
+    const auto& sensed = reading.contacts[1][i];
+    EXPECT_TRUE(frame.contacts[i].p.isApprox(T * sensed.p));
+    EXPECT_TRUE(frame.contacts[i].f.isApprox(T.linear() * sensed.f));
     ASSERT_TRUE(frame.contacts[i].tip_normal);
-    EXPECT_TRUE(frame.contacts[i].tip_normal->isApprox(T.linear() * felt.n, 1e-9));
+    EXPECT_TRUE(frame.contacts[i].tip_normal->isApprox(T.linear() * sensed.n, 1e-9));
   }
   EXPECT_TRUE(finger_frame(reading, hand, 2).contacts.empty());
 }

@@ -26,8 +26,8 @@ SlidingScore score_of(const std::string& name, Surface surface, const SlidingOpt
   for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     const RandomStream random(seed);
     const auto path = sliding_path(surface, options, random);
-    add_score(*make_normal_estimator(name), feel(path, options, random), path, options.period,
-              score);
+    add_score(*make_normal_estimator(name), samples_along(path, options, random), path,
+              options.period, score);
   }
   return score;
 }
@@ -46,7 +46,7 @@ TEST_P(AnyEstimator, TurnsWithItsInput) {
   options.seconds = 3;
   RandomStream random(11);
   const auto path = sliding_path(Surface::edge, options, random);
-  auto samples = feel(path, options, random);
+  auto samples = samples_along(path, options, random);
   const Eigen::Matrix3d R = random.rotation();
   const Eigen::Vector3d t = random.normal3();
   const auto still = make_normal_estimator(GetParam()), turned = make_normal_estimator(GetParam());
@@ -66,7 +66,7 @@ TEST_P(AnyEstimator, SamplesOfNoUseGiveNoNewNormal) {
   SlidingOptions options;
   options.seconds = 2;
   const RandomStream random(12);
-  const auto samples = feel(sliding_path(Surface::flat, options, random), options, random);
+  const auto samples = samples_along(sliding_path(Surface::flat, options, random), options, random);
   const auto estimator = make_normal_estimator(GetParam());
   FingerSample bad = samples[0];
   bad.p.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -92,12 +92,12 @@ TEST_P(AnyEstimator, ForgetsOneFaceBeforeTheNext) {
   const RandomStream random(13);
   const auto path = sliding_path(Surface::flat, options, random);
   const auto estimator = make_normal_estimator(GetParam());
-  for (const auto& sample : feel(path, options, random)) estimator->update(sample);
+  for (const auto& sample : samples_along(path, options, random)) estimator->update(sample);
   // A second later and a decimetre off, the finger comes down on a face turned by 90 degrees.
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
   NormalEstimate last;
-  for (FingerSample sample : feel(path, options, random.fork("again"))) {
+  for (FingerSample sample : samples_along(path, options, random.fork("again"))) {
     sample.time += options.seconds + 1;
     sample.p = R * sample.p + Eigen::Vector3d(0.1, 0, 0);
     sample.f = R * sample.f;
@@ -208,18 +208,18 @@ TEST(S2Smoother, CovarianceIsHonestOnAverageWithThePointNoiseOfAHand) {
 }
 
 TEST(S2Filter, AnEdgeIsTwoFacesAndACornerThree) {
-  EXPECT_EQ(find_faces(score_of("s2", Surface::flat, {}, 1).felt).size(), 1u);
-  const auto edge = find_faces(score_of("s2", Surface::edge, {}, 1).felt);
+  EXPECT_EQ(find_faces(score_of("s2", Surface::flat, {}, 1).estimates).size(), 1u);
+  const auto edge = find_faces(score_of("s2", Surface::edge, {}, 1).estimates);
   ASSERT_EQ(edge.size(), 2u);
   for (const Face& face : edge) EXPECT_GT(face.n.maxCoeff(), std::cos(0.05));
-  EXPECT_EQ(find_faces(score_of("s2", Surface::corner, {}, 3).felt).size(), 3u);
+  EXPECT_EQ(find_faces(score_of("s2", Surface::corner, {}, 3).estimates).size(), 3u);
 }
 
 TEST(S2Filter, WithoutTipGeometryForceAndSlidingTellTheNormal) {
   SlidingOptions options;
   const RandomStream random(21);
   const auto path = sliding_path(Surface::flat, options, random);
-  auto samples = feel(path, options, random);
+  auto samples = samples_along(path, options, random);
   for (auto& sample : samples) sample.tip_normal.reset();
   S2Filter filter;
   SlidingScore score;
@@ -231,7 +231,7 @@ TEST(S2Filter, OutliersOfPointAndTipAreShrugged) {
   SlidingOptions options;
   RandomStream random(22);
   const auto path = sliding_path(Surface::smooth, options, random);
-  auto samples = feel(path, options, random);
+  auto samples = samples_along(path, options, random);
   for (std::size_t i = 0; i < samples.size(); i += 20) {
     samples[i].p += 0.004 * random.normal3();
     samples[i].tip_normal = random.unit_vector();
@@ -247,7 +247,7 @@ TEST(S2Filter, MissingSamplesAreBridged) {
   RandomStream random(23);
   const auto path = sliding_path(Surface::smooth, options, random);
   std::vector<FingerSample> samples;
-  for (const auto& sample : feel(path, options, random)) {
+  for (const auto& sample : samples_along(path, options, random)) {
     if (random.uniform() > 0.3) samples.push_back(sample);
   }
   S2Filter filter;
@@ -263,7 +263,8 @@ TEST(S2Smoother, IsBetterThanTheFilterAndSaysOfWhen) {
   SlidingOptions options;
   const RandomStream random(24);
   S2Smoother smoother({.lag = 0.1});
-  for (const auto& sample : feel(sliding_path(Surface::flat, options, random), options, random)) {
+  for (const auto& sample :
+       samples_along(sliding_path(Surface::flat, options, random), options, random)) {
     const auto estimate = smoother.update(sample);
     EXPECT_NEAR(estimate.time, sample.time - 0.1, 1e-9);
   }
@@ -274,7 +275,7 @@ TEST(S2Smoother, WhatComesAfterAGapDoesNotTurnWhatWasBefore) {
   SlidingOptions options;
   options.seconds = 2;
   const RandomStream random(25);
-  const auto samples = feel(sliding_path(Surface::flat, options, random), options, random);
+  const auto samples = samples_along(sliding_path(Surface::flat, options, random), options, random);
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
   S2Smoother smoother;

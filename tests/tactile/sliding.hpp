@@ -124,9 +124,10 @@ inline SlidingPath sliding_path(Surface surface, const SlidingOptions& options,
   return path;
 }
 
-/// What the fingertip feels along a path, with its noise.
-inline std::vector<FingerSample> feel(const SlidingPath& path, const SlidingOptions& options,
-                                      const RandomStream& random) {
+/// What the fingertip senses along a path, with its noise.
+inline std::vector<FingerSample> samples_along(const SlidingPath& path,
+                                               const SlidingOptions& options,
+                                               const RandomStream& random) {
   RandomStream noise = random.fork("noise");
   std::vector<FingerSample> samples;
   const std::size_t last = path.p.size() - 1;

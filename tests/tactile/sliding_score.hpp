@@ -16,7 +16,7 @@ namespace palpate::tactile {
 struct SlidingScore {
   std::vector<double> error_deg;
   std::vector<double> nees;  // normalised error squared; 2 on average of an honest covariance
-  std::vector<NormalAt> felt;
+  std::vector<NormalAt> estimates;
 };
 
 /// d' C^+ d of the angular error d between n and the truth.
@@ -48,7 +48,7 @@ inline void add_score(NormalEstimator& estimator, const std::vector<FingerSample
     const long tick = std::lround(estimate.time / period);
     const auto& truth = path.n.at(static_cast<std::size_t>(tick));
     score.error_deg.push_back(angle_between_deg(estimate.n, truth));
-    score.felt.push_back({points.at(tick), estimate.n});
+    score.estimates.push_back({points.at(tick), estimate.n});
     if (estimate.covariance) {
       score.nees.push_back(normalised_error_squared(estimate.n, truth, *estimate.covariance));
     }

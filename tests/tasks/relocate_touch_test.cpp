@@ -43,7 +43,7 @@ TEST(RelocateTouch, TheHandMovesAsTheSimulatorMovesIt) {
   }
 }
 
-TEST(RelocateTouch, FeelsWhereItIs) {
+TEST(RelocateTouch, SensesWhereItIs) {
   const RelocateModel model(relocate_primitive_mug());
   RelocateTask task(model);
   for (int step = 0; step < 20; ++step) task.step(RelocateAction::Constant(0.5));

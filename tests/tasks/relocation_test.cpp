@@ -29,7 +29,7 @@ TaskOptions box_task() {
   return task;
 }
 
-TEST(Relocation, FingertipsFeelTheSurfaceOfWhatTheyHold) {
+TEST(Relocation, FingertipsSenseTheSurfaceOfWhatTheyHold) {
   const auto model = make_model(box_task());
   const auto object = known_object(make_object(box_task()), model.object_mass());
   const geometry::MeshQuery surface(object.mesh);
@@ -60,23 +60,23 @@ TEST(Relocation, FingertipsFeelTheSurfaceOfWhatTheyHold) {
   EXPECT_GT(contacts, 8);
 }
 
-TEST(Relocation, FeelingInTheGraspMakesUpForARoughPlace) {
+TEST(Relocation, TrackingInTheGraspMakesUpForARoughPlace) {
   RelocationOptions options;
   options.explore = false;
   const auto policy = box_policy();
-  const auto felt = Relocation(box_task(), options).run_all(*policy, {}, 71, 3, 2);
+  const auto tracked = Relocation(box_task(), options).run_all(*policy, {}, 71, 3, 2);
   options.tracking.estimate = false;
   const auto carried = Relocation(box_task(), options).run_all(*policy, {}, 71, 3, 1);
-  double felt_error = 0, carried_error = 0;
-  for (std::size_t i = 0; i < felt.size(); ++i) {
-    EXPECT_GT(felt[i].estimates, 3);
+  double tracked_error = 0, carried_error = 0;
+  for (std::size_t i = 0; i < tracked.size(); ++i) {
+    EXPECT_GT(tracked[i].estimates, 3);
     EXPECT_EQ(carried[i].estimates, 0);
-    EXPECT_EQ(felt[i].resting_error, carried[i].resting_error);
-    EXPECT_LT(felt[i].resting_error, 0.03);
-    felt_error += felt[i].reported_error / 3;
+    EXPECT_EQ(tracked[i].resting_error, carried[i].resting_error);
+    EXPECT_LT(tracked[i].resting_error, 0.03);
+    tracked_error += tracked[i].reported_error / 3;
     carried_error += carried[i].reported_error / 3;
   }
-  EXPECT_LT(felt_error, 0.7 * carried_error);
+  EXPECT_LT(tracked_error, 0.7 * carried_error);
 }
 
 TEST(Relocation, ExploringTellsThePlace) {
@@ -84,9 +84,9 @@ TEST(Relocation, ExploringTellsThePlace) {
   options.exploring.touches = options.exploring.max_touches = 6;
   EpisodeOptions episode;
   episode.horizon = 2;
-  const auto felt = Relocation(box_task(), options).run_all(*box_policy(), episode, 72, 5, 2);
+  const auto explored = Relocation(box_task(), options).run_all(*box_policy(), episode, 72, 5, 2);
   std::vector<double> errors;
-  for (const auto& one : felt) {
+  for (const auto& one : explored) {
     EXPECT_TRUE(one.explored);
     errors.push_back(one.resting_error);
   }

@@ -161,7 +161,7 @@ struct ModelFile {
   std::vector<std::pair<std::string, std::string>> overlapping = {};
 };
 
-/// A hand as plain data, enough to move it, to know where its links are and what they feel. It is
+/// A hand as plain data, enough to move it, to know where its links are and what they sense. It is
 /// written into every recording, so that kinematics need no simulator.
 ///
 /// The mount's frame is where the hand is carried: palm down, fingers along +x, z up, its origin

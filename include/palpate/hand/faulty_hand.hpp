@@ -24,14 +24,14 @@ enum class InjectedFault {
   joint_stuck,       ///< one actuator no longer moves
   torques_zero,      ///< the actuators' torques read zero
   contacts_nan,      ///< of all fingertips
-  contacts_none,     ///< no fingertip feels anything
-  finger_silent,     ///< one fingertip feels nothing
+  contacts_none,     ///< no fingertip senses anything
+  finger_silent,     ///< one fingertip senses nothing
   finger_stuck,      ///< one fingertip repeats its last contacts
   finger_nan,        ///< one fingertip's contacts are not finite
-  finger_saturated,  ///< one fingertip feels the most its sensor can read, always
+  finger_saturated,  ///< one fingertip senses the most its sensor can read, always
   fingers_swapped,   ///< two fingertips' contacts are exchanged
-  taxel_dead,        ///< one fingertip feels nothing near one spot
-  false_contacts,    ///< a tenth of the time a fingertip feels what is not there
+  taxel_dead,        ///< one fingertip senses nothing near one spot
+  false_contacts,    ///< a tenth of the time a fingertip senses what is not there
   readings_stuck,    ///< all but the time stays at its last value
   link_dead,         ///< the last reading is repeated, time included
   link_gap,          ///< so it is for 0.2 s, and then not

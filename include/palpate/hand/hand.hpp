@@ -17,7 +17,7 @@ inline constexpr double kTick = 0.01;  ///< s between readings
 /// Number of ticks that is nearest to a time (s), at least one.
 int whole_ticks(double seconds);
 
-/// One contact that a fingertip feels, in the frame of that finger's distal link.
+/// One contact that a fingertip senses, in the frame of that finger's distal link.
 struct TipContact {
   Eigen::Vector3d p;  ///< point, m
   Eigen::Vector3d n;  ///< outward unit normal of the object

@@ -22,7 +22,7 @@ namespace palpate::skills {
 class ReadingGate;
 class CommandGate;
 class SpeedProfile;
-class UnfeltForce;
+class UnsensedForce;
 class Watchdog;
 
 /// How a motion ended.
@@ -48,7 +48,8 @@ struct LoadError {
   double weight = 0;                               ///< upwards
 };
 
-/// Moves a hand tick by tick and keeps all that it felt. It knows nothing but the hand's readings.
+/// Moves a hand tick by tick and keeps all that it sensed. It knows nothing but the hand's
+/// readings.
 ///
 /// Every reading and every command passes a gate (SafetyOptions). While readings are missing or
 /// impossible the hand stands still and nothing is kept of them; a fault stops the robot for good:
@@ -106,7 +107,7 @@ class Executor {
   /// @throws SafetyStop if the robot has stopped
   void require_running() const;
 
-  /// From now on nothing is believed of what this fingertip feels: its contacts are dropped. A
+  /// From now on nothing is believed of what this fingertip senses: its contacts are dropped. A
   /// fault with which the robot goes on (touch_lost).
   /// @param detail  one line that names the finger and says why
   void distrust(int finger, std::string detail);
@@ -114,12 +115,12 @@ class Executor {
   /// Faults with which the robot went on.
   const std::vector<FaultReport>& survived() const { return survived_; }
 
-  /// Something has held up this finger, which felt nothing. Ignored once it was cleared.
+  /// Something has held up this finger, which sensed nothing. Ignored once it was cleared.
   void suspect(int finger) { suspected_[static_cast<std::size_t>(finger)] = true; }
-  /// Whether this finger is believed, but has been held up by what it did not feel.
+  /// Whether this finger is believed, but has been held up by what it did not sense.
   bool suspected(int finger) const;
   std::vector<int> suspects() const;
-  /// The finger feels: what held it up did not touch its tip.
+  /// The finger's sensor works: what held it up did not touch its tip.
   void clear(int finger) { cleared_[static_cast<std::size_t>(finger)] = true; }
   bool cleared(int finger) const { return cleared_[static_cast<std::size_t>(finger)]; }
 
@@ -162,7 +163,7 @@ class Executor {
 
  private:
   void tick();
-  void limit_unfelt();
+  void limit_unsensed_force();
   MotionEnd tick_until(const StopCondition& stop);
   bool read_once();
   void keep(hand::HandReading reading);
@@ -189,7 +190,7 @@ class Executor {
   int exceptions_;  ///< under way when the robot was made
   std::unique_ptr<ReadingGate> readings_;
   std::unique_ptr<CommandGate> commands_;
-  std::unique_ptr<UnfeltForce> unfelt_;
+  std::unique_ptr<UnsensedForce> unsensed_;
   std::unique_ptr<Watchdog> watchdog_;  ///< none for a simulated hand
 };
 

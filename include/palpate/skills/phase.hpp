@@ -35,13 +35,13 @@ struct PhaseReport {
 
 /// What the phases hand on to each other: how the object is to be held, and how the hand holds it.
 struct PickState {
-  double height = 0;                               ///< of the object, as felt, m
+  double height = 0;                               ///< of the object, as measured, m
   double clear_height = 0.19;                      ///< m above the table, over all that may stand
   Eigen::Vector2d place{0, 0};                     ///< rough place of the object, m
   std::optional<localization::Posterior> resting;  ///< pose on the table, in the world
   double yaw = 0;                                  ///< direction from which to grasp, rad
   std::vector<double> tried_yaws;                  ///< of grasps that have been tried, rad
-  double held_load = 0;                            ///< weight felt after the lift, N
+  double held_load = 0;                            ///< weight measured after the lift, N
   estimation::HeldPoseEstimate estimate;           ///< of the held object, in the world
   std::optional<estimation::Tracked> tracked;      ///< how it went from the closed hand on
   std::optional<grasping::GraspPlan> next_grasp;   ///< that is to tell what this one has left open

@@ -81,9 +81,9 @@ struct PhaseObserver {
   std::function<void(const PlaceResult& placed)> on_placed = {};
 };
 
-/// The main job (thesis chapter 1): calibrate the hand, once a robot; feel how tall the object is,
-/// grasp it by touch, lift it, and estimate its pose in the hand, feeling more of it while the pose
-/// is in doubt and that tells something. A grasp that fails is tried again from another side.
+/// The main job (thesis chapter 1): calibrate the hand, once a robot; measure how tall the object
+/// is, grasp it by touch, lift it, and estimate its pose in the hand, touching more of it while the
+/// pose is in doubt and that tells something. A grasp that fails is tried again from another side.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin, or
 /// PickOptions::fallen_at

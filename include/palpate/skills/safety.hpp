@@ -21,7 +21,7 @@ enum class Fault {
   late,                ///< readings come, but are too old
   silent,              ///< readings have stopped
   excess_force,        ///< the mount bears more than it may
-  unfelt_load,         ///< so it does, and no fingertip feels anything
+  unsensed_load,       ///< so it does, and no fingertip senses anything
   joint_stuck,         ///< a joint does not follow its command
   touch_lost,          ///< no fingertip's sensor can be used
   invalid_command,     ///< a command holds a value that is not finite
@@ -30,7 +30,7 @@ enum class Fault {
 };
 inline constexpr std::array<std::string_view, 15> kFaultNames = {
     "none",        "stop_requested", "not_finite",      "out_of_range", "implausible_change",
-    "frozen",      "late",           "silent",          "excess_force", "unfelt_load",
+    "frozen",      "late",           "silent",          "excess_force", "unsensed_load",
     "joint_stuck", "touch_lost",     "invalid_command", "log_full",     "exception"};
 
 inline std::string_view to_string(Fault fault) {
@@ -80,7 +80,7 @@ struct SafetyOptions {
   double turn_acceleration = 50;  ///< rad/s^2, of the base
   double finger_speed = 4.0;      ///< rad/s
   double finger_acceleration = 200;  ///< rad/s^2
-  double unfelt_force = 6;      ///< N, about, with which a finger that senses no contact may press
+  double unsensed_force = 6;    ///< N, about, with which a finger that senses no contact may press
   double release_speed = 0.25;  ///< m/s at which a stopped mount gives way to what it pushes
   double rest_torque = 0.1;     ///< N m with which a stopped finger holds on at most
   double watchdog = 0;          ///< s of wall time that a step may take; 0: simulated, no limit
@@ -122,7 +122,7 @@ struct SafetyOptions {
     v("finger_speed", finger_speed, 0.01, 50.0, "rad/s, largest commanded speed of a finger joint");
     v.expert("finger_acceleration", finger_acceleration, 0.1, 5000.0,
              "rad/s^2, largest commanded acceleration of a finger joint");
-    v.expert("unfelt_force", unfelt_force, 0.1, 1e4,
+    v.expert("unsensed_force", unsensed_force, 0.1, 1e4,
              "N, approximate force with which a finger that senses no contact may press");
     v.expert("release_speed", release_speed, 0.01, 10.0,
              "m/s, speed at which a stopped mount yields");

@@ -184,7 +184,7 @@ void put_tip(mjSpec& spec, const std::string& body, const std::string& name,
     return distance_to(*one, capsule.b) < distance_to(*other, capsule.b);
   });
   mjs_setName(geom.element, name.c_str());
-  for (mjsGeom* other : geoms) {  // all that touches at a fingertip is felt
+  for (mjsGeom* other : geoms) {  // all that touches at a fingertip is sensed
     if (other != &geom) other->contype = other->conaffinity = 0;
   }
   if (finger.hull) {

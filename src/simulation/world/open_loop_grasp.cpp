@@ -71,7 +71,7 @@ hand::HandCommand opened(const hand::Description& hand, const OpenLoopGrasp& gra
   return command;
 }
 
-/// Moves the base along y, or down, until it feels a load or the way is done.
+/// Moves the base along y, or down, until it bears a load or the way is done.
 hand::HandReading approach(World& world, hand::HandCommand& command, bool side) {
   hand::HandReading reading;
   const int axis = side ? 1 : 2;

@@ -233,8 +233,8 @@ void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& rand
     if (!scene_.is_sensed(touch->other_geom)) continue;
     const auto finger = static_cast<Index>(touch->finger);
     (of_object ? loads[finger].on_object : loads[finger].on_others).push_back(touch->contact);
-    if (const auto felt = with_sensor_noise(touch->contact, noise_, random)) {
-      reading.contacts[finger].push_back(*felt);
+    if (const auto sensed = with_sensor_noise(touch->contact, noise_, random)) {
+      reading.contacts[finger].push_back(*sensed);
     }
   }
   if (biotacs_) reading.biotacs = biotacs_->step(loads, reading.time);

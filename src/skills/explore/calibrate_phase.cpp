@@ -39,11 +39,11 @@ void rest(Executor& robot, const CalibrateOptions& options) {
 }
 
 /// Of each fingertip: touches of the table in a row of which only the mount's load told.
-using UnfeltTouches = hand::PerFinger<int>;
+using UnsensedTouches = hand::PerFinger<int>;
 
 /// What the touches so far have told of the table and of the sensor of the mount's load.
 struct TableSearch {
-  UnfeltTouches unfelt{};
+  UnsensedTouches unsensed{};
   std::optional<double> height;  ///< where the last touch found the table, m
   LoadCalibration load;
   int next_load = 0;  ///< attitudes till the load is read again
@@ -63,13 +63,13 @@ void touch_table(Executor& robot, const CalibrationTouch& touch, const Calibrate
   }
   const TablePress press = press_table(robot, touch, options, seat - reach);
   const auto finger = static_cast<std::size_t>(touch.finger);
-  int& times = search.unfelt[finger];
-  if (press != TablePress::missed) times = press == TablePress::felt ? 0 : times + 1;
+  int& times = search.unsensed[finger];
+  if (press != TablePress::missed) times = press == TablePress::sensed ? 0 : times + 1;
   if (times >= kNumbTouches) {
     robot.distrust(touch.finger,
                    fmt::format("{} does not sense the table", robot.model().fingers[finger].name));
   }
-  if (press == TablePress::felt) {
+  if (press == TablePress::sensed) {
     search.height = lowest(robot.model(), touch) + robot.reading().base.xyz.z();
     rest(robot, options);
   }
@@ -85,33 +85,33 @@ hand::BasePosition mean_base_of(std::span<const hand::HandReading> window) {
   return mean;
 }
 
-/// What a fingertip feels through a window of readings, in the distal link's frame.
-struct Felt {
+/// What a fingertip senses through a window of readings, in the distal link's frame.
+struct SensedContacts {
   int readings = 0, contacts = 0;
   Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< mean of the contacts
   double reported_variance = 0;                 ///< of them, as the sensor tells
   double mean_variance = 0;                     ///< of p, an axis, by how much they scatter
 };
 
-Felt feel(std::span<const hand::HandReading> window, std::size_t finger) {
-  Felt felt;
+SensedContacts sensed_contacts(std::span<const hand::HandReading> window, std::size_t finger) {
+  SensedContacts sensed;
   for (const auto& reading : window) {
-    felt.readings += !reading.contacts[finger].empty();
+    sensed.readings += !reading.contacts[finger].empty();
     for (const auto& contact : reading.contacts[finger]) {
-      ++felt.contacts;
-      felt.p += contact.p;
-      felt.reported_variance += contact.point_sigma * contact.point_sigma;
+      ++sensed.contacts;
+      sensed.p += contact.p;
+      sensed.reported_variance += contact.point_sigma * contact.point_sigma;
     }
   }
-  felt.p /= std::max(1, felt.contacts);
-  felt.reported_variance /= std::max(1, felt.contacts);
+  sensed.p /= std::max(1, sensed.contacts);
+  sensed.reported_variance /= std::max(1, sensed.contacts);
   for (const auto& reading : window) {
     for (const auto& contact : reading.contacts[finger]) {
-      felt.mean_variance += (contact.p - felt.p).squaredNorm() / 3;
+      sensed.mean_variance += (contact.p - sensed.p).squaredNorm() / 3;
     }
   }
-  felt.mean_variance /= std::max(1.0, std::pow(felt.contacts, 2));
-  return felt;
+  sensed.mean_variance /= std::max(1.0, std::pow(sensed.contacts, 2));
+  return sensed;
 }
 
 /// The fingertips that rest on the table through a window of readings.
@@ -119,13 +119,13 @@ void add_resting_tips(std::span<const hand::HandReading> window, double sigma,
                       std::vector<tactile::TipOnPlane>& touches) {
   const hand::JointVector joints = tactile::mean_joints(window);
   for (std::size_t finger = 0; finger < window.back().contacts.size(); ++finger) {
-    const Felt felt = feel(window, finger);
-    if (felt.readings < kLastingShare * static_cast<double>(window.size())) continue;
+    const SensedContacts sensed = sensed_contacts(window, finger);
+    if (sensed.readings < kLastingShare * static_cast<double>(window.size())) continue;
     touches.push_back(
         {{static_cast<int>(finger), joints},
-         felt.p,
+         sensed.p,
          mean_base_of(window).pose().inverse(),
-         std::sqrt(std::max(sigma * sigma, felt.mean_variance) + felt.reported_variance)});
+         std::sqrt(std::max(sigma * sigma, sensed.mean_variance) + sensed.reported_variance)});
   }
 }
 

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "palpate/hand/tip_forces.hpp"
-#include "skills/explore/felt_size.hpp"
+#include "skills/explore/extents.hpp"
 #include "skills/explore/guarded_moves.hpp"
 #include "skills/explore/pointing_finger.hpp"
 #include "skills/lowest_part.hpp"
@@ -23,7 +23,7 @@ namespace {
 constexpr double kClearanceAbove = 0.02;  // m of the hand over the object while travelling
 constexpr double kContactSeconds = 0.12;  // s of contact that are averaged
 constexpr double kBlockedLoad = 0.15;     // N more on the base: something but the fingertip touches
-constexpr int kBlockedMoves = 2;  // of a hand that felt nothing, after which its finger is changed
+constexpr int kBlockedMoves = 2;  // of a hand that sensed nothing, before its finger is changed
 constexpr double kImpact = 15;    // N on the base: something is met, and hard
 constexpr double kSettledAfter = 0.1;  // s of a motion in which the load is that of setting out
 constexpr double kMinInformation = 0.03;
@@ -154,7 +154,7 @@ int ExplorePhase::touch_around(Executor& robot, PickState& state) {
   return touches;
 }
 
-/// Once more, for the hand was blocked and the fingertip felt nothing: it may be numb.
+/// Once more, for the hand was blocked and the fingertip sensed nothing: it may be numb.
 int ExplorePhase::touch_with_another(Executor& robot, PickState& state) {
   const int numb = pointing(robot).finger;
   robot.distrust(numb, fmt::format("{} does not sense what blocks the hand",
@@ -320,7 +320,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
 }
 
 /// Fast as far as the object cannot be there, and from there on as a guarded move. One that meets
-/// nothing has missed; what is met where it cannot be is felt all the same.
+/// nothing has missed; what is met where it cannot be is sensed all the same.
 ExplorePhase::GuardedMoveEnd ExplorePhase::come_down(Executor& robot, const PickState& state,
                                                      const localization::TurnedMove& descent) {
   const localization::GuardedMove& move = descent.guarded_move;

@@ -18,7 +18,7 @@ constexpr double kRetreat = 0.06;  // m, up from the touch
 constexpr double kSlowAbove =
     0.025;  // m above what may stand there, from where it comes down slowly
 
-/// Where to feel for the object, as shares of the search's width from its rough place.
+/// Where to probe for the object, as shares of the search's width from its rough place.
 const std::vector<Eigen::Vector2d> kSearch = {{0, 0}, {0.5, 0}, {0, 0.5}, {-0.5, 0}, {0, -0.5},
                                               {1, 0}, {0, 1},   {-1, 0},  {0, -1}};
 

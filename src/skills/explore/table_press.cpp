@@ -11,13 +11,13 @@ namespace palpate::skills {
 namespace {
 
 constexpr double kPostureSeconds = 0.3;  // s
-constexpr double kUnfeltLoad = 4.0;      // N at which the table is there, felt or not
+constexpr double kUnsensedLoad = 4.0;    // N at which the table is there, sensed or not
 constexpr int kPressedTicks = 3;         // of it in a row
 
-/// Stop condition: the hand presses downwards, be it felt or not.
+/// Stop condition: the hand presses downwards, be it sensed or not.
 Executor::StopCondition pressing_down() {
   return [loaded = 0](const hand::HandReading& reading) mutable {
-    loaded = -reading.base_force.z() > kUnfeltLoad ? loaded + 1 : 0;
+    loaded = -reading.base_force.z() > kUnsensedLoad ? loaded + 1 : 0;
     return loaded >= kPressedTicks;
   };
 }
@@ -64,15 +64,15 @@ bool is_reachable(const Executor& robot, const CalibrationTouch& touch,
 
 TablePress press_table(Executor& robot, const CalibrationTouch& touch,
                        const CalibrateOptions& options, double height) {
-  bool felt = false;
+  bool sensed = false;
   const auto loaded = pressing_down();
   const auto stop = [&](const hand::HandReading& reading) {
-    felt = hand::tip_force(reading, touch.finger) > options.touch_force;
-    return felt || loaded(reading);
+    sensed = hand::tip_force(reading, touch.finger) > options.touch_force;
+    return sensed || loaded(reading);
   };
   const auto end = robot.move_base(touch.base(options, height), options.speed, stop);
   if (end != MotionEnd::stopped) return TablePress::missed;
-  return felt ? TablePress::felt : TablePress::unfelt;
+  return sensed ? TablePress::sensed : TablePress::unsensed;
 }
 
 }  // namespace palpate::skills

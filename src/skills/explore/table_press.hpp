@@ -22,9 +22,9 @@ bool is_reachable(const Executor& robot, const CalibrationTouch& touch,
                   const CalibrateOptions& options);
 
 /// How a fingertip that came down met the table.
-enum class TablePress { missed, felt, unfelt };
+enum class TablePress { missed, sensed, unsensed };
 
-/// Comes down until the fingertip feels the table, the mount bears a load that it does not feel,
+/// Comes down until the fingertip senses the table, the mount bears a load that it does not sense,
 /// or the mount is at `height`, m.
 TablePress press_table(Executor& robot, const CalibrationTouch& touch,
                        const CalibrateOptions& options, double height);

@@ -14,7 +14,7 @@ namespace palpate::skills {
 namespace {
 
 constexpr double kReach = 0.014;          // m over and under the table
-constexpr int kPresses = 2;               // that must not be felt
+constexpr int kPresses = 2;               // that must not be sensed
 constexpr double kSecondsAFinger = 20.0;  // amply
 
 }  // namespace
@@ -32,7 +32,7 @@ bool TouchTestPhase::is_numb(Executor& robot, int finger) const {
     robot.tare();
     const TablePress press = press_table(robot, *touch, options_, seat - kReach);
     rise(robot, kTravelHeight, options_.travel_speed);
-    if (press != TablePress::unfelt) return false;
+    if (press != TablePress::unsensed) return false;
   }
   return true;
 }

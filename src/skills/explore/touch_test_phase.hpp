@@ -5,8 +5,8 @@
 
 namespace palpate::skills {
 
-/// Presses the fingertips on the bare table that something has held up without their feeling it
-/// (Executor::suspects). One that does not feel the table, either, is no longer believed: the
+/// Presses the fingertips on the bare table that something has held up without their sensing it
+/// (Executor::suspects). One that does not sense the table, either, is no longer believed: the
 /// fault touch_lost, with which the robot goes on.
 class TouchTestPhase : public Phase {
  public:

@@ -85,12 +85,14 @@ hand::PerFinger<bool> FingersDone::still_closing() const {
   return open;
 }
 
-UnfeltThumb::UnfeltThumb(const hand::Description& hand, const hand::ActuatorVector& contact_torque)
+UnsensedThumbContact::UnsensedThumbContact(const hand::Description& hand,
+                                           const hand::ActuatorVector& contact_torque)
     : hand_(hand),
       contact_torque_(contact_torque),
       drives_(hand::closing_actuators(hand, hand.thumb)) {}
 
-bool UnfeltThumb::update(const hand::HandReading& reading, const hand::ActuatorVector& friction) {
+bool UnsensedThumbContact::update(const hand::HandReading& reading,
+                                  const hand::ActuatorVector& friction) {
   const bool presses = std::any_of(drives_.begin(), drives_.end(), [&](int i) {
     const double torque = reading.torques[i] - friction[i];
     const bool closes_up = hand_.actuators[static_cast<std::size_t>(i)].closing > 0;

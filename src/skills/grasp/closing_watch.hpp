@@ -61,12 +61,12 @@ class FingersDone {
   hand::PerFinger<double> last_{};
 };
 
-/// Notices that the thumb presses on something that it does not feel. Fingers beside it may be
+/// Notices that the thumb presses on something that it does not sense. Fingers beside it may be
 /// replaced by their neighbours; a thumb pushes the object out of the hand.
-class UnfeltThumb {
+class UnsensedThumbContact {
  public:
   /// Keeps references.
-  UnfeltThumb(const hand::Description& hand, const hand::ActuatorVector& contact_torque);
+  UnsensedThumbContact(const hand::Description& hand, const hand::ActuatorVector& contact_torque);
 
   /// @return whether it has for a while
   bool update(const hand::HandReading& reading, const hand::ActuatorVector& friction);

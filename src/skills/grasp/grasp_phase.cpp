@@ -236,16 +236,16 @@ void GraspPhase::descend(Executor& robot, const PickState& state) const {
   robot.wait(0.15);
 }
 
-/// Those that feel close first. Those that do not then press the object against them; who loses
-/// touch meanwhile closes on.
+/// Fingers whose sensors are trusted close first. Those that do not then press the object against
+/// them; who loses touch meanwhile closes on.
 void GraspPhase::close(Executor& robot, const Closing& how) const {
-  hand::PerFinger<bool> feeling{};
+  hand::PerFinger<bool> sensing{};
   bool any_numb = false;
   for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
-    feeling[static_cast<std::size_t>(finger)] = robot.trusted(finger);
+    sensing[static_cast<std::size_t>(finger)] = robot.trusted(finger);
     any_numb |= !robot.trusted(finger);
   }
-  close(robot, how, feeling);
+  close(robot, how, sensing);
   if (any_numb && !robot.suspected(robot.model().thumb)) {
     close(robot, how, grasping::kAllFingers);
   }
@@ -258,7 +258,7 @@ void GraspPhase::close(Executor& robot, const Closing& how,
   const grasping::ClosingLaw law(robot.model(), how.rate, preshape.closed);
   FingersDone done(robot.model(), closing);
   ClosingFriction friction(robot.model());
-  UnfeltThumb unfelt(robot.model(), preshape.contact_torque);
+  UnsensedThumbContact unsensed(robot.model(), preshape.contact_torque);
   const int thumb = robot.model().thumb;
   const bool doubtful = how.on_pose && robot.trusted(thumb) && !robot.cleared(thumb);
   hand::PerFinger<bool> just_met{};
@@ -272,7 +272,7 @@ void GraspPhase::close(Executor& robot, const Closing& how,
     const auto before = done.met();
     done.update(robot.reading(), robot.command());
     for (std::size_t i = 0; i < just_met.size(); ++i) just_met[i] = done.met()[i] && !before[i];
-    if (doubtful && friction.known() && unfelt.update(robot.reading(), friction.torques())) {
+    if (doubtful && friction.known() && unsensed.update(robot.reading(), friction.torques())) {
       robot.suspect(thumb);
       break;
     }

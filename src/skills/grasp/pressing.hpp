@@ -22,7 +22,7 @@ hand::ActuatorVector pressing_command(const Executor& robot,
                                       std::span<const tactile::Contact> contacts,
                                       std::span<const Eigen::Vector3d> forces);
 
-/// Torques with which the actuators bear what the fingertips feel now, N m. What the actuators
+/// Torques with which the actuators bear what the fingertips sense now, N m. What the actuators
 /// themselves tell holds their friction, too, and is asked only where no fingertip tells a force.
 hand::ActuatorVector contact_torques(const Executor& robot);
 

@@ -17,7 +17,7 @@ constexpr double kDownSpeed = 0.10;          // m/s
 constexpr double kUpSpeed = 0.30;            // m/s
 constexpr double kTouchdown = 10.0;          // N, from below: what slipped meets the table first
 constexpr double kReleaseSeconds = 0.6;      // s
-constexpr double kFeltWeight = 0.5;          // N
+constexpr double kSensedWeight = 0.5;        // N
 constexpr double kReleaseRestSeconds = 0.3;  // s
 
 hand::BasePosition at_height(hand::BasePosition base, double height) {
@@ -39,7 +39,8 @@ hand::ActuatorVector straightened(const Executor& robot) {
 }
 
 bool holds_something(const Executor& robot) {
-  return hand::count_contacts(robot.reading()) > 0 || robot.reading().base_force.z() > kFeltWeight;
+  return hand::count_contacts(robot.reading()) > 0 ||
+         robot.reading().base_force.z() > kSensedWeight;
 }
 
 }  // namespace

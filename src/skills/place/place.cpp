@@ -23,8 +23,8 @@ namespace palpate::skills {
 namespace {
 
 constexpr const char* kPlace = "place";  // the phase that puts it at the target
-constexpr double kWrongHeight = 0.015;   // m: felt that far from what was expected, it fell over
-constexpr double kUnknownHeight = 0.1;   // m, by which a turned hand may have to go lower
+constexpr double kWrongHeight = 0.015;  // m: measured that far from what was expected, it fell over
+constexpr double kUnknownHeight = 0.1;  // m, by which a turned hand may have to go lower
 
 planning::CollisionOptions held_collisions() {
   planning::CollisionOptions options;
@@ -52,7 +52,7 @@ class ComputePhase : public Phase {
   std::function<PhaseEnd()> compute_;
 };
 
-/// Feels from above whether the object stands where it was put.
+/// Probes from above whether the object stands where it was put.
 class VerifyPhase : public Phase {
  public:
   VerifyPhase(const HeightProbeOptions& options, double expected_top)
@@ -60,8 +60,8 @@ class VerifyPhase : public Phase {
   std::string_view name() const override { return "verify"; }
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Executor& robot, PickState& state) override {
-    const PhaseEnd felt = HeightProbePhase(options_, expected_top_).run(robot, state);
-    if (!felt.ok) return {false, "found nothing where the object was put"};
+    const PhaseEnd probed = HeightProbePhase(options_, expected_top_).run(robot, state);
+    if (!probed.ok) return {false, "found nothing where the object was put"};
     const double off = state.height - expected_top_;
     return {std::abs(off) < kWrongHeight,
             fmt::format("top measured {:+.1f} mm from where it should be", 1e3 * off)};
@@ -273,7 +273,7 @@ bool Placement::withdraw() {
 }
 
 /// Slowly all the way, for it is not known how far down the table is.
-LowerOptions felt_for(LowerOptions options, double above) {
+LowerOptions slow_lowering(LowerOptions options, double above) {
   options.near = std::max(options.near, above);
   options.beyond = kUnknownHeight;
   return options;
@@ -303,7 +303,7 @@ void Placement::put_back() {
   LowerOptions lower = never_refused(options_.lower);
   if (!there) {  // setting down here is gentler than letting go up here
     const hand::BasePosition& here = robot_.reading().base;
-    lower = felt_for(lower, here.xyz.z() - goal.seat.xyz.z());
+    lower = slow_lowering(lower, here.xyz.z() - goal.seat.xyz.z());
     goal.seat.xyz.head<2>() = here.xyz.head<2>();
     goal.seat.ypr = here.ypr;
   }
@@ -329,9 +329,9 @@ void Placement::bring() {
   result_.status = PlaceStatus::placed;
   if (!options_.verify) return;
   state_.place = result_.T_world_placed->translation().head<2>();
-  HeightProbeOptions feel = task_.pick.height_probe;
-  feel.search = 0;
-  if (!sequence_.run(VerifyPhase(feel, top_of(object_.mesh, *result_.T_world_placed)))) {
+  HeightProbeOptions verify_options = task_.pick.height_probe;
+  verify_options.search = 0;
+  if (!sequence_.run(VerifyPhase(verify_options, top_of(object_.mesh, *result_.T_world_placed)))) {
     fail(PlaceStatus::missing);
   }
 }

@@ -65,7 +65,8 @@ class Transfers {
     return task_.target.kind == PlaceTarget::Kind::spot || round.plan.transfers.size() <= 1;
   }
 
-  /// Whether the object is somewhere on the table where it can be felt, and not yet at the target.
+  /// Whether the object is somewhere on the table where it can be found by touch, and not yet at
+  /// the target.
   bool goes_on(const RegraspRound& round) const {
     const PlaceStatus status = round.place->status;
     if (was_put_back(status) || status == PlaceStatus::lost) return true;

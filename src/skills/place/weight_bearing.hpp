@@ -13,7 +13,7 @@ namespace palpate::skills {
 /// Fingers are springs: where gravity comes to pull along another direction of the hand they give
 /// way, the object moves with them, and its contacts wander. The forces that bear the weight as it
 /// pulls then, within the friction cones of the contacts, are told to the fingers beforehand. Only
-/// what changes is added to their commands: what they felt when they pressed is left alone.
+/// what changes is added to their commands: what they sensed when they pressed is left alone.
 class WeightBearing {
  public:
   /// @param robot  holds the object, at rest

@@ -5,14 +5,15 @@
 
 namespace palpate::skills {
 
-/// What a way to feel more of the object should tell about its pose, and how long it takes.
+/// What a way to touch more of the object should tell about its pose, and how long it takes.
 struct ExpectedGain {
   double information = 0;  ///< lower bound, nats
   double seconds = 1;      ///< of the robot's time
   [[nodiscard]] double rate() const { return information / seconds; }
 };
 
-/// How exactly what the fingers will feel is known for a mode: not better than the mode's own pose.
+/// How exactly what the fingers will sense is known for a mode: not better than the mode's own
+/// pose.
 inline localization::NextTouchOptions touches_of_modes() {
   localization::NextTouchOptions options;
   options.point_sigma = 0.004;

@@ -59,14 +59,14 @@ TipWays tip_ways(const grasping::ClosingTrajectory& path) {
   return ways;
 }
 
-/// What the fingers feel when they have closed.
-PredictedTouches feel_of(const grasping::GraspPlan& closed, const TipWays& ways) {
-  PredictedTouches feel(ways.size());
+/// What the fingers sense when they have closed.
+PredictedTouches predicted_touches(const grasping::GraspPlan& closed, const TipWays& ways) {
+  PredictedTouches touches(ways.size());
   for (const auto& contact : closed.contacts) {
     const auto finger = static_cast<std::size_t>(contact.finger);
-    feel[finger] = {true, ways[finger][closed.stops[finger]], contact.n};
+    touches[finger] = {true, ways[finger][closed.stops[finger]], contact.n};
   }
-  return feel;
+  return touches;
 }
 
 }  // namespace
@@ -84,16 +84,17 @@ std::optional<InformativeGrasp> most_informative_grasp(const geometry::ObjectMod
   std::optional<InformativeGrasp> best;
   for (const grasping::GraspPlan& grasp :
        grasps_from_all_sides(object, resting.modes.front().T_frame_object, tool, options)) {
-    std::vector<PredictedTouches> feels;
+    std::vector<PredictedTouches> touches;
     double holds = 0;
     for (const localization::WeightedPose& pose : poses) {
       const auto closed =
           grasping::close_virtually(object, pose.T, tool.path, grasp.base, options.plan);
       if (closed && closed->cost < options.worst_cost) holds += pose.weight;
-      feels.push_back(closed ? feel_of(*closed, ways) : PredictedTouches(ways.size()));
+      touches.push_back(closed ? predicted_touches(*closed, ways) : PredictedTouches(ways.size()));
     }
     if (holds < options.likely * total) continue;
-    const double information = localization::information_bound(feels, weights, touches_of_modes());
+    const double information =
+        localization::information_bound(touches, weights, touches_of_modes());
     if (best && information <= best->expected_gain.information) continue;
     best = InformativeGrasp{grasp, {information, options.seconds}};
   }

@@ -9,7 +9,7 @@
 
 namespace palpate::skills {
 
-/// A grasp from another side and what the fingers should feel there.
+/// A grasp from another side and what the fingers should sense there.
 struct InformativeGrasp {
   grasping::GraspPlan plan;
   ExpectedGain expected_gain;

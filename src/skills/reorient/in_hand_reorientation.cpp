@@ -146,16 +146,16 @@ class Turning {
                                     weight_at(robot_, tracked(), weight_));
     const auto torques =
         grasping::pressing_torques(robot_.model(), view_.joints, view_.contacts, balanced.forces);
-    const hand::ActuatorVector felt = contact_torques(robot_);
+    const hand::ActuatorVector sensed = contact_torques(robot_);
     for (Eigen::Index i = 0; i < lead.size(); ++i) {
       if (torques[i] == 0) continue;
-      lead[i] =
-          gain * (torques[i] - felt[i]) / robot_.actuators()[static_cast<std::size_t>(i)].stiffness;
+      lead[i] = gain * (torques[i] - sensed[i]) /
+                robot_.actuators()[static_cast<std::size_t>(i)].stiffness;
     }
     return lead;
   }
 
-  /// Feels where the fingertips are and lets the tracker follow.
+  /// Reads where the fingertips are and lets the tracker follow.
   std::optional<ReorientEnd> look() {
     const auto& readings = robot_.log().readings;
     const auto count = static_cast<std::size_t>(std::lround(options_.pause / hand::kTick));

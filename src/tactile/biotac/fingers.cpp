@@ -51,10 +51,10 @@ Eigen::Isometry3d biotac_mount(const hand::Description& hand, int finger) {
   const auto& tip = hand.fingers.at(i).tip;
   const Eigen::Vector3d forward = (tip.b - tip.a).normalized();
   const Eigen::Vector3d axis = hand.links[static_cast<std::size_t>(hand.fingers[i].link)].axis;
-  // A turn about the axis moves the tip this way, towards what it is to feel.
-  const Eigen::Vector3d felt = axis.cross(forward).normalized();
+  // A turn about the axis moves the tip this way, towards what it is to touch.
+  const Eigen::Vector3d sensing = axis.cross(forward).normalized();
   Eigen::Isometry3d T_link_sensor = Eigen::Isometry3d::Identity();
-  T_link_sensor.linear() << forward, forward.cross(felt), -felt;
+  T_link_sensor.linear() << forward, forward.cross(sensing), -sensing;
   T_link_sensor.translation() = tip.b;
   return T_link_sensor;
 }

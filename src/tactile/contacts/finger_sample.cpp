@@ -187,11 +187,11 @@ FingerFrame finger_frame(const hand::HandReading& reading, const hand::Descripti
   const NearestInCore nearest_in_core(hand.fingers[i]);
   for (const hand::TipContact& contact : reading.contacts[i]) {
     const Eigen::Vector3d inward = nearest_in_core(contact.p) - contact.p;
-    FingerContact felt{.p = T * contact.p, .f = T.linear() * contact.f, .tip_normal = {}};
+    FingerContact sensed{.p = T * contact.p, .f = T.linear() * contact.f, .tip_normal = {}};
     if (inward.norm() > 0.1 * nearest_in_core.radius()) {
-      felt.tip_normal = T.linear() * inward.normalized();
+      sensed.tip_normal = T.linear() * inward.normalized();
     }
-    frame.contacts.push_back(felt);
+    frame.contacts.push_back(sensed);
   }
   return frame;
 }

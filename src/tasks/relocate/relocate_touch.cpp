@@ -98,8 +98,8 @@ hand::HandReading RelocateTouch::read(const RelocateTask& task, int step) const 
   for (int i = 0; i < state.data->ncon; ++i) {
     const auto touch = simulation::read_fingertip_touch(model, *state.data, i, tips_);
     if (!touch || model.geom_bodyid[touch->other_geom] != state.scene().object) continue;
-    if (const auto felt = simulation::with_sensor_noise(touch->contact, noise_, random)) {
-      reading.contacts[static_cast<std::size_t>(touch->finger)].push_back(*felt);
+    if (const auto sensed = simulation::with_sensor_noise(touch->contact, noise_, random)) {
+      reading.contacts[static_cast<std::size_t>(touch->finger)].push_back(*sensed);
     }
   }
   return reading;

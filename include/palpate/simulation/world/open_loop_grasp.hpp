@@ -6,8 +6,8 @@
 
 namespace palpate::simulation {
 
-/// A grasp by set moves, without a look at what is felt but the load on the base: to study contacts
-/// in, where the pick of the pipeline would take long and be beside the point.
+/// A grasp by set moves, which regards no sensor but that of the load on the base: to study
+/// contacts in, where the pick of the pipeline would take long and be beside the point.
 struct OpenLoopGrasp {
   Start start;            ///< of the object
   bool side = true;       ///< from the side, else from above

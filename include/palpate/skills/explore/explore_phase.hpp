@@ -92,7 +92,7 @@ class ExplorePhase : public Phase {
   ExploreOptions options_;
   std::vector<localization::TurnedMove> done_;  // that touched
   std::size_t probe_ = 0;                       // which of Postures::pointing touches
-  int blocked_ = 0;    // moves that ended against something that its fingertip did not feel
+  int blocked_ = 0;    // moves that ended against something that its fingertip did not sense
   double top_ = 0;     // m above the table, of the credible poses; 0: none is known
   double raised_ = 0;  // m, of the level guarded moves, where a lower hand was blocked
 };

@@ -15,7 +15,7 @@ struct HeightProbeOptions {
   double touch_force = 0.7;    ///< N of load on the base
   double clearance = 0.012;    ///< stop this far above the table, m
   double travel_speed = 0.5;   ///< through the air, m/s
-  double search = 0.10;        ///< m to four sides, half of it first, where nothing is felt
+  double search = 0.10;        ///< m to four sides, half of it first, where nothing is touched
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -32,7 +32,7 @@ struct HeightProbeOptions {
   }
 };
 
-/// Lowers the flat hand onto the object to feel how tall it is.
+/// Lowers the flat hand onto the object to measure how tall it is.
 class HeightProbePhase : public Phase {
  public:
   /// @param tallest  m above the table: what stands there is no taller. By default unknown

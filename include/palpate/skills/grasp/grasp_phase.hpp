@@ -99,9 +99,9 @@ class GraspPhase : public Phase {
   struct Closing {
     const hand::Preshape& preshape;
     double rate;   ///< rad/s
-    bool on_pose;  ///< else the thumb may meet the object beside its fingertip, and feel nothing
+    bool on_pose;  ///< else the thumb may meet the object beside its fingertip, and sense nothing
   };
-  /// What the closed fingers feel, and the forces with which they are to press.
+  /// What the closed fingers sense, and the forces with which they are to press.
   struct Hold {
     std::vector<tactile::Contact> contacts;
     grasping::ForceDistribution forces;

@@ -24,7 +24,7 @@ struct PlaceOptions {
   double certain = 0.85;  ///< share of the estimate that must agree on where the object would stand
   bool reestimate = true;      ///< estimate the pose once more over the target
   double turned_motion = 3.0;  ///< of a turned-over object in the hand, times that of the grasp
-  bool verify = true;          ///< feel afterwards whether it stands there
+  bool verify = true;          ///< probe afterwards whether it stands there
   localization::SamePose same;
   FixtureOptions fixture;
   GoalOptions goal;
@@ -80,7 +80,7 @@ PlaceStrategy place_strategy(const PlaceOptions& options);
 
 /// How placing ended.
 enum class PlaceStatus {
-  placed,       ///< the object stands at the target, as far as was felt
+  placed,       ///< the object stands at the target, as far as was sensed
   ambiguous,    ///< its pose is not known well enough: it was put back
   unreachable,  ///< no position of the base brings it to the target: it was put back
   refused,      ///< something was in its way at the target: it was put back
@@ -110,7 +110,7 @@ struct PlaceResult {
   std::optional<InHandReorientation> turn;          ///< in the hand, where the fingers were used
   planning::Plan motion;                            ///< of the transport
   std::optional<Eigen::Isometry3d> T_world_placed;  ///< as it was let go, estimated
-  Eigen::Vector2d lost_at{0, 0};  ///< m, where contacts were felt last, of a lost object
+  Eigen::Vector2d lost_at{0, 0};  ///< m, where contacts were sensed last, of a lost object
   /// m, where the object was put down instead, where no way back was free
   std::optional<Eigen::Vector2d> put_aside;
 };
@@ -135,7 +135,7 @@ PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& targ
 /// target reachable, carry, set down by touch, let go, withdraw, verify by touch. What
 /// cannot be done is said, and the object put back gently where it came from.
 ///
-/// It is given what the robot felt and the ESTIMATED pose; fixture and target are known.
+/// It is given what the robot sensed and the ESTIMATED pose; fixture and target are known.
 /// @param task    PickAndPlaceTask::pick is what the object was picked with
 /// @param picked  held, with an estimate
 PlaceResult place(Executor& robot, const PickAndPlaceTask& task, const PickResult& picked,

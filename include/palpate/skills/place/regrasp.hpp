@@ -18,7 +18,7 @@ struct RegraspRound {
 };
 
 enum class RegraspStatus {
-  done,          ///< the object stands at the target, as far as was felt
+  done,          ///< the object stands at the target, as far as was sensed
   no_way,        ///< at last no chain of transfers led there
   not_held,      ///< the object could not be picked up
   lost,          ///< it fell, does not leave the hand, or is not where it was put

@@ -60,8 +60,9 @@ struct PalpationOptions {
   }
 };
 
-/// Feels more of the object in the hand while its best pose is in doubt. Of all that could be done
-/// the phase does what should tell most about the poses in question, a second of the robot's time:
+/// Touches more of the object in the hand while its best pose is in doubt. Of all that could be
+/// done the phase does what should tell most about the poses in question, a second of the robot's
+/// time:
 ///
 /// - before the lift, a finger that the others can do without touches another spot, and comes back;
 /// - the object is let go and grasped from another side. Then the phase ends; the grasp is left to

@@ -78,7 +78,7 @@ struct RegraspOptions {
 };
 
 /// A lighter hold on certainty than where the object is to stay: between two stable poses a wrong
-/// guess is felt after the next transfer.
+/// guess is detected after the next transfer.
 struct RegraspSequenceOptions {
   int rounds = 8;                ///< transfers tried at most, repeated ones included
   double certain_between = 0.5;  ///< PlaceOptions::certain of all transfers but the last

@@ -18,7 +18,7 @@ struct BiotacNormalOptions {
   double noise = 0.03;  ///< variance of the normals' components, of the kernel's
   bool mirror = true;   ///< also learn every sample mirrored at the finger's middle plane
   double session = 1;   ///< deg, standard deviation that a recording's errors have in common
-  double turning = 11;  ///< deg per root of a second, of the plate that is felt
+  double turning = 11;  ///< deg per root of a second, of the plate that is touched
 
   template <class Visitor>
   void visit(Visitor&& v) {

@@ -11,7 +11,7 @@ namespace palpate::tactile {
 
 inline constexpr int kTaxels = 512;
 
-/// Frame of a BioTac ("sensor frame"): x forward out of the fingertip, z from the felt side into
+/// Frame of a BioTac ("sensor frame"): x forward out of the fingertip, z from the sensing side into
 /// the core, origin at the centre of the tip's half ball.
 struct SkinOptions {
   double radius = 0.007;           ///< m, of the half ball and the cylinder behind it

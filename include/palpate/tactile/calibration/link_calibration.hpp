@@ -15,7 +15,7 @@ struct TipPosture {
   hand::JointVector joints;  ///< rad
 };
 
-/// A fingertip that feels a plane, such as a bare table.
+/// A fingertip that touches a plane, such as a bare table.
 struct TipOnPlane {
   TipPosture tip;
   Eigen::Vector3d p;  ///< point that touches, in the distal link's frame, m

@@ -58,7 +58,7 @@ struct FingerContact {
   std::optional<Eigen::Vector3d> tip_normal;
 };
 
-/// All that a fingertip feels in one tick.
+/// All that a fingertip senses in one tick.
 struct FingerFrame {
   double time = 0;  ///< s
   std::vector<FingerContact> contacts;
@@ -107,7 +107,7 @@ class SampleMaker {
   std::optional<FingerFrame> last_;
 };
 
-/// What a finger feels in a reading, with the normals of its capsule tip, in the world.
+/// What a finger senses in a reading, with the normals of its capsule tip, in the world.
 FingerFrame finger_frame(const hand::HandReading& reading, const hand::Description& hand,
                          int finger);
 

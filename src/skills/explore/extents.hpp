@@ -9,13 +9,14 @@ namespace palpate::skills {
 /// m above the table of the highest point that any candidate has in any stable pose.
 double tallest(const estimation::Candidates& candidates);
 
-/// The same in those stable poses that may be as tall as was felt: `felt` (m) may be a little too
-/// high, or much too low, for a flat hand comes down beside what is highest. At least `felt`.
-double likely_top(const estimation::Candidates& candidates, double felt);
+/// The same in those stable poses that may be as tall as was `measured` (m): that may be a little
+/// too high, or much too low, for a flat hand comes down beside what is highest. At least
+/// `measured`.
+double likely_top(const estimation::Candidates& candidates, double measured);
 
 /// m over the table from an object's center to its farthest point, in the stable poses that are as
-/// tall as was felt or taller; in all of them where none is.
-double likely_reach(const estimation::Candidates& candidates, double felt);
+/// tall as was measured or taller; in all of them where none is.
+double likely_reach(const estimation::Candidates& candidates, double measured);
 
 /// m above the table of the highest point of objects at any of their poses.
 double highest_of(const std::vector<localization::PosedObject>& objects);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/unfelt_force.hpp"
+#include "skills/unsensed_force.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +8,12 @@ namespace palpate::skills {
 namespace {
 
 constexpr double kMisread = 0.1;  // of the largest torque: friction and error of what is read
-constexpr int kApart = 10;   // readings without a contact, after which a fingertip feels nothing
+constexpr int kApart = 10;   // readings without a contact, after which a fingertip senses nothing
 constexpr int kHeldUp = 10;  // ticks in a row, of a finger that is limited
 
 }  // namespace
 
-UnfeltForce::UnfeltForce(const hand::Description& hand, double max_force)
+UnsensedForce::UnsensedForce(const hand::Description& hand, double max_force)
     : hand_(hand), max_torques_(hand::ActuatorVector::Zero(hand.actuator_count())) {
   for (int i = 0; i < hand.actuator_count(); ++i) {
     const hand::Actuator& actuator = hand.actuators[static_cast<std::size_t>(i)];
@@ -21,8 +21,8 @@ UnfeltForce::UnfeltForce(const hand::Description& hand, double max_force)
   }
 }
 
-std::vector<int> UnfeltForce::limit(hand::HandCommand& command, const hand::HandCommand& last,
-                                    const hand::HandReading& reading) {
+std::vector<int> UnsensedForce::limit(hand::HandCommand& command, const hand::HandCommand& last,
+                                      const hand::HandReading& reading) {
   hand::PerFinger<bool> limited{};
   for (std::size_t finger = 0; finger < hand_.fingers.size(); ++finger) {
     apart_[finger] = reading.contacts[finger].empty() ? apart_[finger] + 1 : 0;
@@ -42,8 +42,8 @@ std::vector<int> UnfeltForce::limit(hand::HandCommand& command, const hand::Hand
 
 /// The lead of the command on the joint is taken from the torque, as when closing.
 /// @return whether the actuator presses with more than it may
-bool UnfeltForce::limit(int actuator, hand::HandCommand& command, const hand::HandCommand& last,
-                        const hand::HandReading& reading) const {
+bool UnsensedForce::limit(int actuator, hand::HandCommand& command, const hand::HandCommand& last,
+                          const hand::HandReading& reading) const {
   const double torque = reading.torques[actuator];
   const double most_torque = max_torques_[actuator];
   if (std::abs(torque) <= most_torque) return false;

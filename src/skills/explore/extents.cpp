@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/explore/felt_size.hpp"
+#include "skills/explore/extents.hpp"
 
 #include <algorithm>
 
 namespace palpate::skills {
 namespace {
 
-constexpr double kTooHigh = 0.01;  // m that the felt height may be over the object's
+constexpr double kTooHigh = 0.01;  // m that the probed height may be over the object's
 constexpr double kTooLow = 0.06;   // m that it may be under it, amply: hands have gaps
 
 double reach_of(const geometry::KnownObject& object, const geometry::StablePose& stable_pose) {
@@ -17,13 +17,13 @@ double reach_of(const geometry::KnownObject& object, const geometry::StablePose&
   return reach;
 }
 
-/// In the stable poses that are as tall as was felt; in any where none is.
-double reach_of(const geometry::KnownObject& object, double felt) {
+/// In the stable poses that are as tall as was measured; in any where none is.
+double reach_of(const geometry::KnownObject& object, double measured) {
   double reach = 0, reach_of_any = 0;
   for (const auto& stable_pose : object.stable_poses) {
     const double far = reach_of(object, stable_pose);
     reach_of_any = std::max(reach_of_any, far);
-    if (geometry::top_of(object, stable_pose) > felt - kTooLow) reach = std::max(reach, far);
+    if (geometry::top_of(object, stable_pose) > measured - kTooLow) reach = std::max(reach, far);
   }
   return reach > 0 ? reach : reach_of_any;
 }
@@ -40,21 +40,21 @@ double tallest(const estimation::Candidates& candidates) {
   return top;
 }
 
-double likely_top(const estimation::Candidates& candidates, double felt) {
-  double likely = felt;
+double likely_top(const estimation::Candidates& candidates, double measured) {
+  double likely = measured;
   for (const auto* candidate : candidates) {
     for (const auto& stable_pose : candidate->object().stable_poses) {
       const double top = geometry::top_of(candidate->object(), stable_pose);
-      if (top > felt - kTooHigh && top < felt + kTooLow) likely = std::max(likely, top);
+      if (top > measured - kTooHigh && top < measured + kTooLow) likely = std::max(likely, top);
     }
   }
   return likely;
 }
 
-double likely_reach(const estimation::Candidates& candidates, double felt) {
+double likely_reach(const estimation::Candidates& candidates, double measured) {
   double reach = 0;
   for (const auto* candidate : candidates) {
-    reach = std::max(reach, reach_of(candidate->object(), felt));
+    reach = std::max(reach, reach_of(candidate->object(), measured));
   }
   return reach;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/unfelt_force.hpp"
+#include "skills/unsensed_force.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,11 +18,11 @@ hand::HandCommand command_at(double position) {
   return command;
 }
 
-hand::HandReading reading_of(double torque, bool felt) {
+hand::HandReading reading_of(double torque, bool sensed) {
   hand::HandReading reading = hand::resting_reading(kHand);
   reading.torques[kKnuckle] = torque;
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  if (felt) reading.contacts[0] = {{0.01 * up, up, -0.5 * up}};
+  if (sensed) reading.contacts[0] = {{0.01 * up, up, -0.5 * up}};
   return reading;
 }
 
@@ -31,25 +31,25 @@ double most() {
   return kForce * actuator.lever + 0.1 * actuator.max_torque;
 }
 
-TEST(UnfeltForce, AFingerThatIsHeldUpAndFeelsNothingPressesNoFurther) {
-  UnfeltForce unfelt(kHand, kForce);
+TEST(UnsensedForce, AFingerThatIsHeldUpAndSensesNothingPressesNoFurther) {
+  UnsensedForce unsensed(kHand, kForce);
   const double stiffness = kHand.actuators[static_cast<std::size_t>(kKnuckle)].stiffness;
   for (const double side : {1.0, -1.0}) {
     for (int tick = 0; tick < 20; ++tick) {
       hand::HandCommand command = command_at(side * 0.5);
-      unfelt.limit(command, command_at(side * 0.4), reading_of(side * (most() + 0.2), false));
+      unsensed.limit(command, command_at(side * 0.4), reading_of(side * (most() + 0.2), false));
       if (tick < 9) continue;
       EXPECT_NEAR(command.positions[kKnuckle], side * (0.4 - 0.2 / stiffness), 1e-12);
     }
   }
 }
 
-TEST(UnfeltForce, ItIsToldOfOnceItHasLasted) {
-  UnfeltForce unfelt(kHand, kForce);
+TEST(UnsensedForce, ItIsToldOfOnceItHasLasted) {
+  UnsensedForce unsensed(kHand, kForce);
   int first = -1;
   for (int tick = 0; tick < 40 && first < 0; ++tick) {
     hand::HandCommand command = command_at(0.5);
-    const auto held_up = unfelt.limit(command, command_at(0.4), reading_of(most() + 0.2, false));
+    const auto held_up = unsensed.limit(command, command_at(0.4), reading_of(most() + 0.2, false));
     if (!held_up.empty()) first = tick;
     if (first >= 0) {
       EXPECT_EQ(held_up, std::vector<int>{0});
@@ -58,20 +58,20 @@ TEST(UnfeltForce, ItIsToldOfOnceItHasLasted) {
   EXPECT_EQ(first, 18);  // ten readings without a contact, then ten ticks
 }
 
-TEST(UnfeltForce, AFingerThatFeelsIsLeftAlone) {
-  UnfeltForce unfelt(kHand, kForce);
+TEST(UnsensedForce, AFingerThatSensesIsLeftAlone) {
+  UnsensedForce unsensed(kHand, kForce);
   for (int tick = 0; tick < 40; ++tick) {
     hand::HandCommand command = command_at(0.5);
-    EXPECT_TRUE(unfelt.limit(command, command_at(0.4), reading_of(most() + 1, true)).empty());
+    EXPECT_TRUE(unsensed.limit(command, command_at(0.4), reading_of(most() + 1, true)).empty());
     EXPECT_EQ(command.positions[kKnuckle], 0.5);
   }
 }
 
-TEST(UnfeltForce, AFingerThatMovesFreelyIsLeftAlone) {
-  UnfeltForce unfelt(kHand, kForce);
+TEST(UnsensedForce, AFingerThatMovesFreelyIsLeftAlone) {
+  UnsensedForce unsensed(kHand, kForce);
   for (int tick = 0; tick < 40; ++tick) {
     hand::HandCommand command = command_at(0.5);
-    EXPECT_TRUE(unfelt.limit(command, command_at(0.4), reading_of(0.9 * most(), false)).empty());
+    EXPECT_TRUE(unsensed.limit(command, command_at(0.4), reading_of(0.9 * most(), false)).empty());
     EXPECT_EQ(command.positions[kKnuckle], 0.5);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/explore/felt_size.hpp"
+#include "skills/explore/extents.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,20 +22,20 @@ const geometry::ObjectModel& mug() {
   return model;
 }
 
-TEST(FeltSize, TheTallestIsThatOfAnyCandidate) {
+TEST(Extents, TheTallestIsThatOfAnyCandidate) {
   EXPECT_NEAR(tallest({&box()}), 0.175, 1e-6);
   EXPECT_LT(tallest({&mug()}), 0.13);
   EXPECT_NEAR(tallest({&mug(), &box()}), 0.175, 1e-6);
 }
 
-TEST(FeltSize, WhatIsFeltBesideItsTopIsTaller) {
-  EXPECT_NEAR(likely_top({&box()}, 0.098), 0.098, 1e-6) << "felt a little too high";
+TEST(Extents, WhatIsProbedBesideItsTopIsTaller) {
+  EXPECT_NEAR(likely_top({&box()}, 0.098), 0.098, 1e-6) << "probed a little too high";
   EXPECT_NEAR(likely_top({&box()}, 0.030), 0.050, 1e-6);
   EXPECT_NEAR(likely_top({&box()}, 0.075), 0.094, 1e-6);
   EXPECT_NEAR(likely_top({&box()}, 0.190), 0.190, 1e-6) << "taller than any stable pose";
 }
 
-TEST(FeltSize, AnObjectThatStandsUpReachesLessFar) {
+TEST(Extents, AnObjectThatStandsUpReachesLessFar) {
   const double lying = likely_reach({&box()}, 0.05), standing = likely_reach({&box()}, 0.17);
   EXPECT_NEAR(lying, 0.5 * std::hypot(0.094, 0.175), 1e-3);
   EXPECT_NEAR(standing, 0.5 * std::hypot(0.050, 0.094), 1e-3);

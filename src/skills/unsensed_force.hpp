@@ -7,13 +7,13 @@
 
 namespace palpate::skills {
 
-/// Ends the motion of fingers that something holds up and that feel nothing of it: what their
-/// actuators press with is limited, whatever they are commanded. Fingers that feel are left alone;
-/// they stop by what they feel.
-class UnfeltForce {
+/// Ends the motion of fingers that something holds up and that sense nothing of it: what their
+/// actuators press with is limited, whatever they are commanded. Fingers that sense contact are
+/// left alone; they stop by what they sense.
+class UnsensedForce {
  public:
-  /// @param max_force  N at a fingertip that feels nothing, by the levers of its actuators
-  UnfeltForce(const hand::Description& hand, double max_force);
+  /// @param max_force  N at a fingertip that senses nothing, by the levers of its actuators
+  UnsensedForce(const hand::Description& hand, double max_force);
 
   /// @param command  wanted for this tick; changed where a finger may press no further
   /// @param last  that led to the reading
@@ -27,7 +27,7 @@ class UnfeltForce {
 
   hand::Description hand_;
   hand::ActuatorVector max_torques_;  // N m
-  hand::PerFinger<int> apart_{};      // readings since a fingertip felt something
+  hand::PerFinger<int> apart_{};      // readings since a fingertip sensed something
   hand::PerFinger<int> pressed_{};    // ticks in a row in which a finger was limited
 };
 
