@@ -7,7 +7,7 @@ namespace palpate::relocate {
 namespace {
 
 constexpr double kLifts = 0.005;  // m that the palm has risen, as OnlineTrackerOptions::lifts
-constexpr int kTips = 2;          // that must touch, as OnlineTrackerOptions::fingers
+constexpr int kMinTips = 2;          // that must touch, as OnlineTrackerOptions::fingers
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void SparseObservation::update(const Eigen::Vector3d& object, const Eigen::Vecto
   palm_ = palm;
   if (++step_ % period_ != 0) return;
   observed_ = coming_;
-  if (tips >= kTips) coming_ = object;
+  if (tips >= kMinTips) coming_ = object;
 }
 
 }  // namespace palpate::relocate
