@@ -11,11 +11,13 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "palpate/recording/recording.hpp"
 #include "palpate/recording/target.hpp"
 #include "palpate/recording/writer.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/rendering/renderer.hpp"
+#include "palpate/tasks/relocate/episode_recording.hpp"
 #include "posterior_film.hpp"
 #include "terminal.hpp"
 
@@ -172,6 +174,22 @@ Picture draw_posterior(const recording::Recording& recording, const fs::path& fo
   return film;
 }
 
+/// An episode by touch is of the Adroit hand, whose base is another frame: the Shadow hand is drawn
+/// with its palm where the recorded one is.
+void place_by_palm(recording::Recording& recording) {
+  const hand::Description& recorded = recording.header.hand;
+  const hand::Description drawn = simulation::load_hand(recorded.name);
+  const auto palm_in_base = [](const hand::Description& hand, const hand::JointVector& joints) {
+    return hand::forward_kinematics(hand, joints)[static_cast<std::size_t>(hand.palm)];
+  };
+  for (recording::Frame& frame : recording.frames) {
+    const hand::JointVector& joints = frame.truth->joints;
+    frame.reading.base = hand::BasePosition::at(frame.reading.base.pose() *
+                                                palm_in_base(recorded, joints) *
+                                                palm_in_base(drawn, joints).inverse());
+  }
+}
+
 recording::Recording read_drawable(const fs::path& path) {
   auto recording = recording::read_recording(path);
   const bool drawable =
@@ -181,6 +199,7 @@ recording::Recording read_drawable(const fs::path& path) {
   if (!drawable) {
     throw BadInput(fmt::format("{} does not tell where the object was", path.string()));
   }
+  if (relocate::is_episode(recording)) place_by_palm(recording);
   return recording;
 }
 
@@ -188,6 +207,12 @@ int render(const RenderArguments& arguments) {
   const fs::path folder = output_folder(arguments);
   const fs::path given = arguments.recording;
   const auto recording = read_drawable(given.empty() ? record_pick(arguments, folder) : given);
+  if (arguments.posterior && relocate::is_episode(recording)) {
+    throw BadInput(fmt::format(
+        "--posterior draws the poses of a pick, and {} is an episode of the relocate task: palpate "
+        "view shows its estimates",
+        given.string()));
+  }
   make_writable_folder(folder);
   std::optional<Notice> notice(std::in_place, "drawing", arguments.common.quiet);
   auto pictures = draw_phases(recording, folder, arguments);
