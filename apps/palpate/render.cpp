@@ -184,9 +184,9 @@ void place_by_palm(recording::Recording& recording) {
   };
   for (recording::Frame& frame : recording.frames) {
     const hand::JointVector& joints = frame.truth->joints;
-    frame.reading.base = hand::BasePosition::at(frame.reading.base.pose() *
-                                                palm_in_base(recorded, joints) *
-                                                palm_in_base(drawn, joints).inverse());
+    frame.reading.base =
+        hand::BasePosition::at(frame.reading.base.pose() * palm_in_base(recorded, joints) *
+                               palm_in_base(drawn, joints).inverse());
   }
 }
 

@@ -7,7 +7,7 @@ namespace palpate::relocate {
 namespace {
 
 constexpr double kLifts = 0.005;  // m that the palm has risen, as OnlineTrackerOptions::lifts
-constexpr int kMinTips = 2;          // that must touch, as OnlineTrackerOptions::fingers
+constexpr int kMinTips = 2;       // that must touch, as OnlineTrackerOptions::fingers
 
 }  // namespace
 
