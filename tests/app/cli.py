@@ -17,8 +17,10 @@ PROGRAM = None
 DONE, USAGE, BAD_INPUT, NO_SOLUTION, STOPPED = 0, 2, 3, 4, 5
 # A pick of little searching, for tests that only look at its form.
 QUICK = [
-    "--set", "explore.touches=2", "--set", "lift.hold=0.2",
-    "--set", "estimation.search.proposals=20000", "--set", "estimation.search.particles=400",
+    "--set", "calibrate.touches=6", "--set", "lift.hold=0.2", "--set", "explore.touches=2",
+    "--set", "explore.max_touches=4", "--set", "explore.refining=0", "--set", "palpation.max=0",
+    "--set", "palpation.regrasps=0", "--set", "palpation.table_touches=0",
+    "--set", "estimation.search.proposals=5000", "--set", "estimation.search.particles=200",
 ]  # fmt: skip
 
 
