@@ -83,7 +83,8 @@ std::string hint_for(const geometry::ObjectModel& model, lo::Evidence evidence, 
            "point out of the object";
   }
   if (!evidence.table) {
-    return "no pose explains these contacts: another object, or more noise than stated";
+    return "no pose explains these contacts: another object, more noise than stated, or a mesh less "
+           "exact than surface_sigma states";
   }
   const double height = evidence.table->T_frame_table.translation().z();
   evidence.table.reset();
@@ -93,8 +94,8 @@ std::string hint_for(const geometry::ObjectModel& model, lo::Evidence evidence, 
         "the height of the table in the contacts' frame, z up",
         height);
   }
-  return "no pose explains these contacts, with --table or without: another object, or more noise "
-         "than stated";
+  return "no pose explains these contacts, with --table or without: another object, more noise than "
+         "stated, or a mesh less exact than surface_sigma states";
 }
 
 /// Contacts sensed at the same time are of one grasp, whose place in the world is uncertain.

@@ -24,7 +24,7 @@ EnergyMaker::EnergyMaker(const geometry::ObjectModel& model, const Evidence& evi
     : model_(model),
       evidence_(evidence),
       contact_offset_(options.contact_offset),
-      usual_first_scale_(options.first_scale),
+      default_first_scale_(options.first_scale),
       first_point_sigma_(options.first_point_sigma) {
   if (evidence.prior) prior_ = std::make_shared<const PoseMixture>(*evidence.prior);
   if (evidence.free_space.empty()) return;
@@ -32,7 +32,7 @@ EnergyMaker::EnergyMaker(const geometry::ObjectModel& model, const Evidence& evi
 }
 
 double EnergyMaker::first_scale() const {
-  double first = usual_first_scale_;
+  double first = default_first_scale_;
   for (const tactile::Contact& contact : evidence_.contacts) {
     first = std::max(first, first_point_sigma_ / std::max(contact.point_sigma, kLeastSigma));
   }
@@ -44,15 +44,15 @@ double EnergyMaker::first_scale() const {
 Evidence EnergyMaker::widened(double scale) const {
   Evidence evidence = evidence_;
   for (tactile::Contact& contact : evidence.contacts) {
-    if (usual_first_scale_ * contact.point_sigma >= first_point_sigma_) continue;
+    if (default_first_scale_ * contact.point_sigma >= first_point_sigma_) continue;
     contact.point_sigma = std::min(scale * contact.point_sigma, first_point_sigma_) /
-                          std::min(scale, usual_first_scale_);
+                          std::min(scale, default_first_scale_);
   }
   return evidence;
 }
 
 Energy EnergyMaker::operator()(double scale) const {
-  const double usual = std::min(scale, usual_first_scale_);
+  const double usual = std::min(scale, default_first_scale_);
   Energy energy;  // cheap and telling terms first
   if (prior_) {
     const double floor = evidence_.contacts.empty() ? kUncontestedFloor : evidence_.prior->floor;

@@ -27,7 +27,7 @@ class EnergyMaker {
   const geometry::ObjectModel& model_;
   const Evidence& evidence_;
   double contact_offset_;
-  double usual_first_scale_, first_point_sigma_;
+  double default_first_scale_, first_point_sigma_;
   std::shared_ptr<const PoseMixture> prior_;
   std::shared_ptr<const FreeSpaceTerm::Balls> balls_;
 };
