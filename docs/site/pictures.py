@@ -26,7 +26,6 @@ MADE = IMAGES / "made.json"
 RENDERER = ("src/simulation/rendering/*.?pp", "apps/palpate/posterior_film.cpp")
 PLOTS = ("src/plotting/*.?pp", "include/palpate/plotting/*.?pp")
 PAGE = ("viewer/*",)
-UNRECORDED = {"localization_tables"}  # made before pictures were noted; again takes over an hour
 BROWSER = (
     "chromium --headless=new --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
     "--enable-unsafe-swiftshader --hide-scrollbars --window-size=1400,900 "

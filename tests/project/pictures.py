@@ -5,7 +5,7 @@ than the sources that draw it.
 usage: pictures.py REPOSITORY
 
 A picture must be named by a page, be of a set of docs/site/pictures.py, and have the hash that was
-noted when it was made; only sketches and the sets in UNRECORDED have no note. The hash of the sources that a set follows must
+noted when it was made; only sketches have no note. The hash of the sources that a set follows must
 be the noted one as well: after a change of what draws it, `./dev pictures SET` makes the set again.
 """
 
@@ -46,9 +46,6 @@ def faults_of_sets(pictures, made):
     for name, chosen in pictures.SETS.items():
         again = f"run ./dev pictures {name}"
         noted = made.get(name)
-        if not noted and name in pictures.UNRECORDED:
-            print(f"{name}: made by an earlier program, without a record")
-            continue
         if not noted or noted["commands"] != list(chosen.commands):
             yield f"{name}: not made by its present commands; {again}"
             continue
