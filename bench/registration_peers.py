@@ -330,7 +330,7 @@ def compare_dual(program, bunny, runs):
 
 def compare_local(program, bunny, runs):
     """small_gicp is local: clouds 20 deg and some mm apart, without correspondences."""
-    print("\nClouds of 5000 points, turned by 20 deg (palpate is not told so; its time is that of "
+    print("\nClouds of 5000 points, turned by 20 deg (palpate is not given that; its time is that of "
           "the whole program)\n")
     print("| program | setting | success | median deg | ms | ratio |")
     print("|---|---|---|---|---|---|")

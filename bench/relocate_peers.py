@@ -9,7 +9,7 @@ The peer relocates its own ball, put where the mug starts, and in a second envir
 many parts as palpate's, with the peer's own solver.
 Rounds alternate, and the medians are compared. Times are processor time on one thread, so that
 other work on the machine counts against nobody, and elapsed time: on one thread for the peer, on
-two for palpate. Only on an idle machine does elapsed time tell anything.
+two for palpate. Only on an idle machine does elapsed time mean anything.
 """
 
 import argparse

@@ -4,7 +4,7 @@
 usage: ros2_latency.py PALPATE BAG.mcap [--object O] [--seconds N] [--joint-rate HZ] [--set K=V]
 
 BAG is of `palpate export mcap`, of a pick that ends with the object in the hand. Its last messages
-are told again and again: contacts and transforms at 100 Hz, joint states at --joint-rate. The peer
+are sent again and again: contacts and transforms at 100 Hz, joint states at --joint-rate. The peer
 is Python's Cyclone DDS; PYTHONPATH must have what requirements/ros2.txt names.
 """
 

@@ -59,7 +59,7 @@ bool is_used(const estimation::EventLog& log, std::size_t reading) {
   });
 }
 
-/// The log with its contacts replaced by those that the channels tell of.
+/// The log with its contacts replaced by those inferred from the channels.
 estimation::EventLog inferred(estimation::EventLog log, const hand::Description& hand,
                               const Inverse& inverse) {
   tactile::BiotacFingers fingers(hand, inverse);
@@ -87,7 +87,7 @@ void add_errors(const estimation::HeldPoseEstimate& estimate, const geometry::Me
 }
 
 /// A pick on the solver's contacts, and its pose once more on the contacts that the same pick's
-/// channels tell of.
+/// channels show.
 Result pick_and_locate_twice(const geometry::ObjectModel& object, const Inverse& inverse,
                              std::uint64_t seed) {
   evaluation::TrialOptions options;

@@ -25,7 +25,7 @@ using experiment::between;
 using experiment::HandScene;
 using experiment::Motion;
 
-constexpr double kPlaceSigma = 0.0015;  // m, of the resting pose that the hand is told
+constexpr double kPlaceSigma = 0.0015;  // m, of the resting pose that the hand is given
 constexpr double kTurnSigma = 0.015;    // rad
 constexpr double kTouch = 0.02;         // N
 constexpr double kLifted = 0.05;        // m

@@ -25,7 +25,7 @@ constexpr double kPerMicro = 1e6;
 /// What the held objects' grasps were like, one value a look.
 struct Tally {
   int looks = 0, closed = 0, balanced = 0, lifted = 0;
-  std::vector<double> contacts, force_errors, margins, qualities, squeeze;
+  std::vector<double> contacts, force_errors, margins, qualities, force_ratios;
   std::vector<double> closure_us, quality_us, balance_us;
 };
 
@@ -38,7 +38,7 @@ auto timed(std::vector<double>& micros, Call call) {
 }
 
 /// Sum of the normal forces, N.
-double squeeze_of(const Eigen::VectorXd& wrenches) {
+double normal_force_sum(const Eigen::VectorXd& wrenches) {
   double sum = 0;
   for (Eigen::Index i = 3; i < wrenches.size(); i += 6) sum += wrenches[i];
   return sum;
@@ -70,7 +70,8 @@ void look(const simulation::ObjectStep& step, double time_step, Tally& tally) {
       timed(tally.balance_us, [&] { return grasping::balance_wrench(contacts, center, weight); });
   if (balance.status != grasping::BalanceStatus::balanced) return;
   ++tally.balanced;
-  tally.squeeze.push_back(squeeze_of(wrenches) / squeeze_of(balance.contact_wrenches));
+  tally.force_ratios.push_back(normal_force_sum(wrenches) /
+                               normal_force_sum(balance.contact_wrenches));
 }
 
 Tally grasp_object(const std::string& name, int grasps, std::uint64_t seed) {
@@ -105,7 +106,7 @@ std::string share(int part, int whole) {
 void run(const experiment::Options& options) {
   experiment::Table table({"object", "grasps lifted", "looks", "contacts", "G w_c error % (max)",
                            "force closure", "margin N", "quality", "weight balanced",
-                           "squeeze over least", "closure us", "quality us", "balance us"});
+                           "force over minimum", "closure us", "quality us", "balance us"});
   plotting::Plot plot;
   plot.title = "Grasp quality (largest ball in the wrench hull) of held objects";
   plot.y.label = "quality (N for 1 N of normal force)";
@@ -121,7 +122,7 @@ void run(const experiment::Options& options) {
                    middle_of(tally.contacts, "{:.0f}"), fmt::format("{:.4f}", worst),
                    share(tally.closed, tally.looks), middle_of(tally.margins, "{:.3f}"),
                    middle_of(tally.qualities, "{:.3f}"), share(tally.balanced, tally.looks),
-                   middle_of(tally.squeeze, "{:.1f}"), middle_of(tally.closure_us, "{:.0f}"),
+                   middle_of(tally.force_ratios, "{:.1f}"), middle_of(tally.closure_us, "{:.0f}"),
                    middle_of(tally.quality_us, "{:.0f}"), middle_of(tally.balance_us, "{:.0f}")});
     if (tally.looks == 0) continue;
     plot.categories.push_back(name);

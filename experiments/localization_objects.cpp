@@ -35,9 +35,9 @@ std::array<SearchOutcome, kMethods.size()> run_one(const SearchSubject& subject,
   const RandomStream random(seed, "objects");
   const GraspScene scene =
       make_grasp_scene(subject.model, subject.mesh, hand, scene_options, random);
-  SceneEvidenceOptions told;
-  told.contacts = contacts;
-  const Evidence evidence = scene_evidence(scene, told, random.fork("evidence"));
+  SceneEvidenceOptions input;
+  input.contacts = contacts;
+  const Evidence evidence = scene_evidence(scene, input, random.fork("evidence"));
   const auto search_by = [&](SearchMethod method) {
     return search_pose(subject, evidence, scene.truth, method, random.fork("search"));
   };

@@ -24,8 +24,8 @@ using experiment::Subject;
 constexpr int kBefore = 100, kAfter = 20;  // frames about the slip that count
 constexpr int kTemperatures = 30, kMoves = 2;
 
-/// What the frames after the slip tell of a value that stays, once the errors that keep have been
-/// learnt from those before: y = value + carried' errors_before + noise of this variance.
+/// The information of the frames after the slip on a value that stays, once the errors that keep
+/// have been learnt from those before: y = value + carried' errors_before + noise of this variance.
 struct Averaging {
   Eigen::VectorXd weights;  // of the frames after
   Eigen::VectorXd carried;  // of the known errors before, to be taken off

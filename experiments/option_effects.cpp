@@ -111,7 +111,7 @@ struct Course {
   bool refused = false;
 };
 
-/// Without its outcome in words, which may tell how long planning took.
+/// Without its outcome in words, which may state how long planning took.
 std::string describe(const skills::PhaseReport& phase) {
   return fmt::format("{} {} {} {}", phase.name, phase.robot_seconds, phase.peak_force,
                      phase.contacts);

@@ -53,7 +53,7 @@ struct Outcome {
   std::string end;
   bool tight = false;
   std::array<Error, kMoments> errors;
-  double contact_height = NAN;  // m of the base over its seat, at the first contact
+  double contact_height = NAN;  // m of the base over its goal, at the first contact
 };
 
 /// Everything that is true at a tick.
@@ -85,7 +85,7 @@ Error Watch::error_at(std::size_t tick, const PlaceResult& place, bool at_target
   const Tick& at = ticks_[std::min(tick, ticks_.size() - 1)];
   const Eigen::Isometry3d T =
       at_target ? at.T_world_object
-                : place.goal->seat.pose() * at.T_world_base.inverse() * at.T_world_object;
+                : place.goal->base.pose() * at.T_world_base.inverse() * at.T_world_object;
   Error error;
   error.xy = (T.translation() - place.T_world_target.translation()).head<2>();
   error.angle = localization::pose_error(T, place.T_world_target, object_.symmetries).rotation;
@@ -143,7 +143,7 @@ Outcome Watch::run(const geometry::ObjectModel& model) {
     outcome.errors[m] = error_at(moments[m], place, m >= contact);
   }
   const auto& base = ticks_[touch].T_world_base;
-  outcome.contact_height = base.translation().z() - place.goal->seat.xyz.z();
+  outcome.contact_height = base.translation().z() - place.goal->base.xyz.z();
   const Error& end = outcome.errors[withdrawn];
   outcome.tight = end.angle < 3 * kDegree && end.xy.norm() < 0.005;
   return outcome;

@@ -27,8 +27,8 @@ struct Setting {
   testing::ProblemOptions problem;
   RegistrationOptions options;
   std::size_t runs = 200;
-  int repeats = 3;       ///< of which the shortest time counts
-  double least_off = 0;  ///< m; pairs that are right to within this are left out
+  int repeats = 3;     ///< of which the shortest time counts
+  double min_off = 0;  ///< m; pairs that are right to within this are left out
 };
 
 struct Outcomes {
@@ -66,7 +66,7 @@ Outcomes run(const Setting& setting, std::uint64_t first_seed) {
   for (std::uint64_t k = 0; k < setting.runs; ++k) {
     auto problem =
         testing::make_problem(setting.problem, RandomStream(first_seed + k, "registration_table"));
-    if (setting.least_off > 0) leave_out(problem, setting.least_off);
+    if (setting.min_off > 0) leave_out(problem, setting.min_off);
     const RegistrationResult result =
         timed(problem.correspondences, setting.options, setting.repeats);
     outcomes.milliseconds.push_back(1e3 * result.seconds);

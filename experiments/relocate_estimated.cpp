@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The relocation policy told the object's place as touch has it, beside the true one.
+// The relocation policy given the object's place as touch has it, beside the true one.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -65,7 +65,7 @@ void relocate_estimated(const experiment::Options& options) {
                                    {"rough place, then estimated in the grasp", false, true},
                                    {"rough place, then carried by the palm", false, false}};
   const std::size_t count = options.quick ? 1 : 50;
-  experiment::Table table({"object", "policy", "what the policy is told", "episodes", "return",
+  experiment::Table table({"object", "policy", "what the policy is given", "episodes", "return",
                            "< 5 cm", "< 2 cm", "final distance mm (median)",
                            "error at first mm (median)", "error at the end mm (median)", "explored",
                            "an estimate takes ms (median)"});
@@ -94,6 +94,6 @@ void relocate_estimated(const experiment::Options& options) {
 
 int main(int argc, char** argv) {
   return experiment::run(argc, argv, "relocate_estimated",
-                         "The relocation policy told the object's place as touch has it",
+                         "The relocation policy given the object's place as touch has it",
                          relocate_estimated);
 }

@@ -25,7 +25,7 @@ struct CertifyArguments {
   std::optional<double> noise_bound;
 };
 
-constexpr std::size_t kLeastPairs = 3;  // that determine a pose
+constexpr std::size_t kMinPairs = 3;  // that determine a pose
 
 /// The correspondences within the bound, m.
 rg::Correspondences inliers_of(const rg::Correspondences& correspondences,
@@ -48,7 +48,7 @@ std::string reason_of(const CertifyArguments& arguments, std::size_t pairs) {
   if (pairs == 0) {
     return fmt::format("no pair is within {:g} m of this pose; nothing to certify", bound);
   }
-  if (pairs >= kLeastPairs) return "";
+  if (pairs >= kMinPairs) return "";
   return fmt::format("only {} of the pairs {} within {:g} m of this pose; three are the least",
                      pairs, pairs == 1 ? "is" : "are", bound);
 }
@@ -56,7 +56,7 @@ std::string reason_of(const CertifyArguments& arguments, std::size_t pairs) {
 void print_result(const rg::PoseEstimate& estimate, std::size_t pairs) {
   fmt::print("{}: cost {:.6g} m^2 of {} correspondences",
              colored_status(rg::to_string(estimate.status)), estimate.cost, pairs);
-  if (pairs >= kLeastPairs) {
+  if (pairs >= kMinPairs) {
     fmt::print(", at most {:.2g} m^2 above the global optimum", estimate.bound);
   }
   fmt::print("\n");

@@ -24,7 +24,7 @@ using nlohmann::json;
 
 constexpr std::size_t kHistogramBins = 20;
 constexpr int kResamples = 10000;
-constexpr double kLeastWidth = 1;  // of a histogram, if all values are equal
+constexpr double kMinWidth = 1;  // of a histogram, if all values are equal
 
 struct CompareArguments {
   CommonOptions common;
@@ -142,7 +142,7 @@ plotting::Plot histogram_plot(const TwoSamples& samples) {
   const auto [low_a, high_a] = std::minmax_element(samples.a.begin(), samples.a.end());
   const auto [low_b, high_b] = std::minmax_element(samples.b.begin(), samples.b.end());
   const double low = std::min(*low_a, *low_b);
-  const double high = std::max({*high_a, *high_b, low + kLeastWidth});
+  const double high = std::max({*high_a, *high_b, low + kMinWidth});
   plotting::Plot plot;
   plot.title = "Returns";
   plot.x.label = "return";

@@ -39,7 +39,7 @@ evaluation::TrialOptions resolve_trial(const CommonOptions& common, const std::s
   auto options = resolve<evaluation::TrialOptions>(common);
   if (!hand.empty()) options.world.hand = hand;
   if (!arm.empty()) options.world.arm.name = arm;
-  // Known to the process from now on; a bad name is told before the objects are prepared.
+  // Known to the process from now on; a bad name is reported before the objects are prepared.
   const auto described = load_hand_with_progress(options.world.hand, common.quiet);
   simulation::load_arm(options.world.arm, described.hand);
   return options;

@@ -36,7 +36,7 @@ HttpRequest parse_request(std::string_view head);
 /// have it.
 HttpStatus status_of(const HttpRequest& request, const ServerSide& side);
 
-/// Number of the message after which a stream is to go on, as a browser that lost it tells.
+/// Number of the message after which a stream is to go on, as a browser that lost it states.
 std::optional<std::uint64_t> last_message(const HttpRequest& request);
 
 /// The head of an answer. @param size  bytes of its body

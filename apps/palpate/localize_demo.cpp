@@ -66,7 +66,7 @@ constexpr std::size_t kTenContacts = 1;  // of kCounts
 /// Whether the pose found in a scene is right, and how probable it is stated to be.
 Share search(const geometry::ObjectModel& model, const lo::GraspScene& scene,
              const EvidenceKind& kind, const RandomStream& random) {
-  constexpr double kNothing = 100;  // rad of noise: the normal tells nothing
+  constexpr double kNothing = 100;  // rad of noise: the normal has no information
   auto evidence = lo::scene_evidence(scene, kind.evidence, random);
   for (auto& contact : evidence.contacts) {
     if (!kind.normals) contact.normal_sigma = kNothing;

@@ -12,7 +12,7 @@
 
 namespace palpate::app {
 
-/// What is told of an object beside its shape.
+/// What is given of an object beside its shape.
 struct ObjectArguments {
   std::optional<double> mass;  ///< kg
   std::string at;              ///< X,Y[,R], m
@@ -31,7 +31,7 @@ void require_mesh_file(const std::vector<std::string>& names, const std::string&
 
 void add_object_options(CLI::App& command, ObjectArguments& arguments);
 
-/// The object of that name or file, of the mass that was told.
+/// The object of that name or file, of the mass that was given.
 /// @throws BadInput as geometry::load_known_object
 geometry::KnownObject load_object(const std::string& name, const ObjectArguments& arguments);
 
@@ -52,7 +52,7 @@ struct CandidateObjects {
 CandidateObjects load_objects(const std::vector<std::string>& names,
                               const ObjectArguments& arguments);
 
-/// Puts the rough place that was told into the options.
+/// Puts the rough place that was given into the options.
 /// @throws BadInput for a text that is no place, or one out of reach
 void apply_place(const ObjectArguments& arguments, evaluation::StartOptions& start);
 

@@ -126,7 +126,7 @@ void PageServer::run_until(int descriptor, std::chrono::milliseconds drain) {
   pollfd ended{descriptor, POLLIN, 0};
   while (poll(&ended, 1, 0) <= 0) turn(descriptor);
   const auto end = Clock::now() + drain;
-  while (Clock::now() < end && !all_told()) turn(-1);
+  while (Clock::now() < end && !all_sent()) turn(-1);
 }
 
 /// One round of what is to be done for everybody.
@@ -140,17 +140,17 @@ void PageServer::turn(int descriptor) {
     waiting.push_back({connection.socket, static_cast<short>(writes ? POLLOUT : POLLIN), 0});
   }
   poll(waiting.data(), waiting.size(), kTick);
-  const bool told = waiting[2].revents != 0;
-  if (told) log_->acknowledge();
+  const bool news = waiting[2].revents != 0;
+  if (news) log_->acknowledge();
   for (std::size_t i = 0; i < connections_.size(); ++i) {
     const bool streams = connections_[i].stage == Stage::streaming;
-    if (waiting[i + first].revents != 0 || (told && streams)) serve(connections_[i]);
+    if (waiting[i + first].revents != 0 || (news && streams)) serve(connections_[i]);
   }
   close_finished();
   if (waiting[1].revents != 0) accept_all();
 }
 
-bool PageServer::all_told() const {
+bool PageServer::all_sent() const {
   return std::ranges::all_of(connections_, [](const Connection& connection) {
     return connection.stage == Stage::streaming ? connection.waits
                                                 : connection.stage == Stage::reading;

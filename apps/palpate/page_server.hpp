@@ -78,7 +78,7 @@ class PageServer {
   bool write_some(Connection& connection) const;
   void drain(Connection& connection) const;
   void close_finished();
-  bool all_told() const;
+  bool all_sent() const;
 
   std::shared_ptr<const std::string> page_;  // where there is no log
   const MessageLog* log_ = nullptr;

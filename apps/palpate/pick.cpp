@@ -51,7 +51,7 @@ fs::path output_folder(const PickArguments& arguments) {
 }
 
 /// Index of the object that stands there: the one of that name, or drawn by the seed. One that is
-/// none of those told comes after them.
+/// none of those given comes after them.
 std::size_t true_index(const PickArguments& arguments) {
   const auto& names = arguments.objects;
   if (names.size() > 1 && arguments.true_object.empty()) {

@@ -61,7 +61,7 @@ json round_json(const skills::StrategyTaken::Round& round) {
 json turn_json(const skills::InHandReorientation& turn) {
   const auto& result = turn.result;
   return {{"asked_deg", kDegreesPerRadian * turn.asked.norm()},
-          {"base_turn_deg", kDegreesPerRadian * turn.base_turn},
+          {"base_turn_deg", kDegreesPerRadian * turn.base_rotation},
           {"end", skills::to_string(result.end)},
           {"left", error_json(result.left)},
           {"known", turn.known},
@@ -78,7 +78,7 @@ json means_json(const skills::StrategyTaken& strategy) {
   json regrasp = nullptr;
   if (strategy.regrasp) regrasp = skills::to_string(*strategy.regrasp);
   json fingers = nullptr;
-  if (strategy.turn) fingers = turn_json(*strategy.turn);
+  if (strategy.reorientation) fingers = turn_json(*strategy.reorientation);
   return {{"chosen", skills::to_string(strategy.strategy)},
           {"reason", strategy.reason},
           {"fingers", fingers},
@@ -96,12 +96,12 @@ std::string means_text(const skills::StrategyTaken& strategy) {
                           way.possible ? "possible" : "impossible", way.reason);
     }
   }
-  if (strategy.turn) {
+  if (strategy.reorientation) {
     text += fmt::format("; fingers {}: {:.1f} of {:.1f} deg left, planned in {:.1f} s",
-                        skills::to_string(strategy.turn->result.end),
-                        kDegreesPerRadian * strategy.turn->result.left.rotation,
-                        kDegreesPerRadian * strategy.turn->asked.norm(),
-                        strategy.turn->result.plan_seconds);
+                        skills::to_string(strategy.reorientation->result.end),
+                        kDegreesPerRadian * strategy.reorientation->result.left.rotation,
+                        kDegreesPerRadian * strategy.reorientation->asked.norm(),
+                        strategy.reorientation->result.plan_seconds);
   }
   if (strategy.regrasp) {
     text +=

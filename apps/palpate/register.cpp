@@ -208,7 +208,7 @@ void print_next_of(const RegisterArguments& arguments, const CLI::App& command,
              outcome.clouds
                  ? fmt::format("compare {}/source_in_target.ply with {} in a viewer of clouds", out,
                                arguments.target)
-                 : fmt::format("{}/correspondences.csv tells inliers from outliers", out));
+                 : fmt::format("{}/correspondences.csv lists inliers and outliers", out));
 }
 
 int register_command(const RegisterArguments& arguments, const CLI::App& command) {

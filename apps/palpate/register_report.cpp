@@ -31,9 +31,9 @@ Eigen::Vector3d rounded(const Eigen::Vector3d& v, double least) {
 }
 
 std::string motion_text(const Eigen::Isometry3d& T) {
-  constexpr double kLeastAngle = 5e-4, kLeastLength = 1e-9;  // deg, m
-  const Eigen::Vector3d w = rounded(log_so3(T.linear()) * 180 / std::numbers::pi, kLeastAngle);
-  const Eigen::Vector3d t = rounded(T.translation(), kLeastLength);
+  constexpr double kMinAngle = 5e-4, kMinLength = 1e-9;  // deg, m
+  const Eigen::Vector3d w = rounded(log_so3(T.linear()) * 180 / std::numbers::pi, kMinAngle);
+  const Eigen::Vector3d t = rounded(T.translation(), kMinLength);
   return fmt::format(
       "rotation ({:.3f}, {:.3f}, {:.3f}) deg, translation ({:.6g}, {:.6g}, {:.6g}) m", w[0], w[1],
       w[2], t[0], t[1], t[2]);
@@ -152,7 +152,7 @@ std::string reason_of(const rg::CloudRegistration& registration,
                       const rg::RegistrationOptions& options) {
   const auto& result = registration.result;
   if (result.T_target_source || result.mirrored || !result.free_motions.empty()) return "";
-  if (registration.contradiction > rg::kMostContradiction) return "";
+  if (registration.contradiction > rg::kMaxContradiction) return "";
   if (options.initial) return "the clouds do not lie on one another near the initial pose";
   if (registration.feature_matches < 3) {
     return fmt::format(
@@ -181,7 +181,7 @@ void print_features(const rg::CloudRegistration& registration) {
     fmt::print(" (of no pose more than {})", bound->max_inliers);
   }
   fmt::print("; {} rounds of nearest neighbours\n", registration.refinements);
-  if (registration.contradiction > rg::kMostContradiction) {
+  if (registration.contradiction > rg::kMaxContradiction) {
     fmt::print("contradiction: {:.0f} % of the surfaces within reach of each other lie apart\n",
                100 * registration.contradiction);
   }

@@ -9,7 +9,7 @@ namespace palpate::app {
 /// What `palpate register --json` prints of a result.
 nlohmann::json report_of(const registration::RegistrationResult& result);
 
-/// What a person is told of it.
+/// Prints it for a person.
 void print_report(const registration::RegistrationResult& result, const std::string& hint);
 
 /// Why pairs have no pose, and what may help; empty if they have one or the report says it.

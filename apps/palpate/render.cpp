@@ -197,7 +197,7 @@ recording::Recording read_drawable(const fs::path& path) {
       std::all_of(recording.frames.begin(), recording.frames.end(),
                   [](const recording::Frame& frame) { return frame.truth.has_value(); });
   if (!drawable) {
-    throw BadInput(fmt::format("{} does not tell where the object was", path.string()));
+    throw BadInput(fmt::format("{} does not state where the object was", path.string()));
   }
   if (relocate::is_episode(recording)) place_by_palm(recording);
   return recording;

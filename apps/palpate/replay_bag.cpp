@@ -68,9 +68,9 @@ void warn_of(const ros2::Bag& bag, const std::string& path, bool quiet) {
     fmt::print(stderr, "the clock was set back {} times: what comes after the last is used\n",
                counts.restarts);
   }
-  if (counts.malformed + counts.out_of_order + counts.gaps + counts.blind == 0) return;
+  if (counts.malformed + counts.out_of_order + counts.gaps + counts.incomplete == 0) return;
   fmt::print(stderr, "{} malformed and {} late messages dropped, {} gaps, {} joint states unused\n",
-             counts.malformed, counts.out_of_order, counts.gaps, counts.blind);
+             counts.malformed, counts.out_of_order, counts.gaps, counts.incomplete);
   if (!counts.last_error.empty()) fmt::print(stderr, "  {}\n", counts.last_error);
 }
 

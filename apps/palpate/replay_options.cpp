@@ -14,7 +14,8 @@ namespace {
 
 using evaluation::TrialOptions;
 
-/// Whole sections end with a dot. What tells one object from others is read where there are others.
+/// Whole sections end with a dot. What distinguishes one object from others is read where there are
+/// others.
 constexpr std::array<std::string_view, 11> kRead = {"estimation.",
                                                     "expert.estimation.",
                                                     "expert.calibrate.rest",

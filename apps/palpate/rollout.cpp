@@ -34,13 +34,13 @@ struct RolloutArguments {
   bool touch = false;
 };
 
-/// The episodes, and what touch knew in them, if the policy was told that.
+/// The episodes, and the estimates by touch in them, if the policy was given those.
 struct Rollout {
   std::vector<relocate::Episode> episodes;
   std::vector<relocate::TouchEpisode> by_touch;
 };
 
-/// Runs episodes: told the truth, or by touch.
+/// Runs episodes: the policy is given the truth, or estimates by touch.
 class Runner {
  public:
   Runner(const RolloutArguments& arguments, const RolloutOptions& options)
@@ -161,7 +161,7 @@ void print_touch(const std::vector<relocate::TouchEpisode>& by_touch) {
       touch["reported_error_mm"].get<double>(), touch["estimates"].get<double>());
 }
 
-/// What the policy looks at, as told.
+/// What the policy observes, as reported.
 std::vector<std::string> observes(const relocate::Policy& policy, bool by_touch) {
   auto names = policy.observes();
   if (by_touch) {

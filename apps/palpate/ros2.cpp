@@ -61,7 +61,7 @@ nlohmann::json counts_json(const ros2::StreamCounts& counts) {
           {"malformed", counts.malformed},
           {"out_of_order", counts.out_of_order},
           {"gaps", counts.gaps},
-          {"blind", counts.blind},
+          {"incomplete", counts.incomplete},
           {"restarts", counts.restarts},
           {"last_error", counts.last_error}};
 }

@@ -10,7 +10,7 @@ namespace palpate::app {
 /// @throws BadInput without a model
 std::vector<SensedStream> sense_biotac(const SenseArguments& arguments);
 
-/// Contacts that the channels of a recording's BioTacs tell of, in the world, by the given or the
+/// Contacts inferred from the channels of a recording's BioTacs, in the world, by the given or the
 /// shipped inverse; one stream a finger, none where the recording has no channels.
 /// @throws BadInput for a model and no channels that it could read
 std::vector<SensedStream> sense_channels(const SenseArguments& arguments,

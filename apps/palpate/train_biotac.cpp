@@ -311,7 +311,7 @@ int train_biotac_network(const SimulatedArguments& arguments) {
 /// Errors of contacts that were not learned from.
 nlohmann::json inverse_errors(const tactile::BiotacInverse& model,
                               const std::vector<tactile::BiotacFrame>& frames) {
-  constexpr std::size_t kStride = 5;  // neighbouring frames tell the same
+  constexpr std::size_t kStride = 5;  // neighbouring frames measure the same
   std::vector<double> points, forces, normals, directions;
   double within_one = 0, within_two = 0, components = 0;
   for (std::size_t i = 0; i < frames.size(); i += kStride) {

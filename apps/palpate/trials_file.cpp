@@ -12,7 +12,7 @@
 namespace palpate::app {
 namespace {
 
-/// Empty where there is no error to tell.
+/// Empty where there is no error to report.
 std::string error_cells(bool known, const localization::PoseError& error) {
   if (!known) return ",";
   return fmt::format("{:.3f},{:.3f}", kDegreesPerRadian * error.rotation, 1e3 * error.translation);

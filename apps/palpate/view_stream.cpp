@@ -25,7 +25,7 @@ std::string status_text(const bridge::WatchReport& report) {
                         1e3 * report.pose_latency);
   }
   const auto faults =
-      report.received.malformed + report.received.out_of_order + report.received.blind;
+      report.received.malformed + report.received.out_of_order + report.received.incomplete;
   return faults == 0 ? text : text + fmt::format("; {} messages unused", faults);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where is the bracket? Twelve touches of its surface, sensed with 1 mm and 10 deg of noise, tell.
+// Where is the bracket? Twelve touches of its surface, sensed with 1 mm and 10 deg of noise, show
+// it.
 #include <cstdio>
 #include <numbers>
 

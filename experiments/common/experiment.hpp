@@ -9,7 +9,7 @@
 
 namespace palpate::experiment {
 
-/// What every experiment is told on its command line.
+/// What every experiment is given on its command line.
 struct Options {
   std::filesystem::path out;  ///< folder of the figures and tables
   std::uint64_t seed = 9000;  ///< first seed

@@ -308,7 +308,7 @@ void bind_follower(nb::module_& module) {
                    "That it follows with.")
       .def_prop_ro(
           "joints", [](const ArmFollower& self) { return array_of(self.joints()); },
-          "As they were told last, (J,), rad; (0,) before reset().")
+          "As last commanded, (J,), rad; (0,) before reset().")
       .def(
           "reset",
           [](ArmFollower& self, nb::object T, const std::vector<BasePosition>& tour) {
@@ -342,7 +342,7 @@ void bind_follower(nb::module_& module) {
             return started(self).check_path(way);
           },
           "way"_a,
-          "Whether the arm can follow a way that starts where it is told to be, one position a "
+          "Whether the arm can follow a way that starts where it is commanded, one position a "
           "tick.\n\nRaises RuntimeError before reset().")
       .def("__repr__", [](const ArmFollower& self) {
         return fmt::format("ArmFollower('{}', {})", self.arm().name,

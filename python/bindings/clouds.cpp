@@ -30,7 +30,7 @@ Cloud cloud_from(nb::handle points, nb::handle normals) {
   return cloud;
 }
 
-/// What both ways to register clouds are told.
+/// What both ways to register clouds are given.
 struct Common {
   std::optional<double> noise_bound;
   nb::object initial, rotation_axis;
@@ -220,8 +220,8 @@ void bind_clouds(nb::module_& module) {
               "= False, bound_nodes: int = 0, seed: int = 0, threads: int = 1) -> "
               "CloudRegistration"),
       "register_clouds() by features of any kind, (N, D), one row a point, that are nearest for "
-      "like places.\n\nvoxel: distance between the points, m. Mirrored clouds are not told from "
-      "others.\n\nRaises ValueError for another number of features than points.");
+      "like places.\n\nvoxel: distance between the points, m. Mirrored clouds are not "
+      "recognised.\n\nRaises ValueError for another number of features than points.");
 }
 
 }  // namespace palpate::python

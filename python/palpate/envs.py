@@ -39,7 +39,7 @@ def _yaw(angle):
 
 
 class TouchEnv(gymnasium.Env):
-    """Palpate/Touch-v0: choose touches that tell the pose of an object at rest on a table.
+    """Palpate/Touch-v0: choose touches that determine the pose of an object at rest on a table.
 
     A ball comes horizontally towards the object. The frame is that of the table, z up, its origin
     at the rough place of the object, which is known to 20 mm.

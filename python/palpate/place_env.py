@@ -29,7 +29,7 @@ class _GoalEnv(HandEnv):
             self.model, hand, max_steps=max_steps, render_mode=render_mode, asked=asked
         )
 
-    def aim(self, target):
+    def set_target(self, target):
         self.target, self.stayed, self.sensed = target, 0, None
         self.rotation, self.translation = self.error()
 
@@ -92,7 +92,7 @@ class PlaceEnv(_GoalEnv):
         target[:3, :3] = _turned([0, 0, 1], self.np_random.uniform(-np.pi, np.pi)) @ target[:3, :3]
         way, bearing = self.np_random.uniform(0.08, 0.15), self.np_random.uniform(-np.pi, np.pi)
         target[:2, 3] += way * np.array([np.cos(bearing), np.sin(bearing)])
-        self.aim(target)
+        self.set_target(target)
         return self.asked(sensed), self.info(sensed)
 
     def reached(self, sensed):
@@ -125,7 +125,7 @@ class ReorientEnv(_GoalEnv):
         angle = np.radians(self.np_random.uniform(10, 40))
         target[:3, :3] = _turned(axis / np.linalg.norm(axis), angle) @ target[:3, :3]
         self.height = self.world.truth()[2, 3]
-        self.aim(target)
+        self.set_target(target)
         return self.asked(sensed), self.info(sensed)
 
     def pose(self):

@@ -132,7 +132,7 @@ class RelocateVectorEnv(VectorEnv):
 
     `gymnasium.make_vec("palpate.envs:Palpate/Relocate-v2", 8, vectorization_mode="vector_entry_point")`.
     The same as gymnasium's SyncVectorEnv of as many, bit for bit: an episode that has ended starts
-    anew in the next step, which ignores its action.
+    again in the next step, which ignores its action.
     """
 
     metadata = RelocateEnv.metadata | {"autoreset_mode": AutoresetMode.NEXT_STEP}

@@ -94,7 +94,7 @@ void bind_evaluation(nb::module_& module) {
               "str = 'shadow', "
               "*, trials: int = 10, seed: int = 0, threads: int = 1, options: dict[str, object] = "
               "{}) -> EvaluationResult"),
-      "Repeats the simulated pick with the seeds seed, seed + 1, ..., and judges it by the truth; "
+      "Repeats the simulated pick with the seeds seed, seed + 1, ..., and scores it by the truth; "
       "the same for any number of threads.\n\nRaises ValueError for what there is not, and values "
       "out of their range.");
 }

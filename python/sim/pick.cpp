@@ -93,8 +93,8 @@ std::optional<skills::PlaceTarget> target_of(const geometry::KnownObject& object
                                              const TrialOptions& options, std::uint64_t seed) {
   if (options.place.target == "stable_pose") {
     throw BadInput(
-        "place 'stable_pose' asks how the object starts, which only a simulation knows: give the "
-        "pose (4, 4)");
+        "place 'stable_pose' asks how the object starts, known only in simulation: give the pose "
+        "(4, 4)");
   }
   return evaluation::place_target(object, options.place, seed, 0);
 }

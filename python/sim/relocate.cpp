@@ -105,7 +105,7 @@ class RelocateTasks {
                            relocate::task_camera());
   }
 
-  /// One row a task of what `of` tells of it.
+  /// One row a task of what `of` returns for it.
   template <class Of>
   Matrix rows_of(int width, const Of& of) const {
     const auto lock = turn();

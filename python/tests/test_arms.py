@@ -64,14 +64,14 @@ class ArmKinematics(unittest.TestCase):
         np.testing.assert_allclose(self.arm.mount_pose(before), T, atol=1e-4)
         np.testing.assert_array_equal(follower.joints, before)
 
-    def test_a_way_out_of_reach_is_told(self):
+    def test_a_way_out_of_reach_is_reported(self):
         follower = palpate.ArmFollower(self.arm)
         follower.reset(self.arm.mount_pose(self.joints))
         start = palpate.BasePosition.at(self.arm.mount_pose(self.joints))
         way = [palpate.BasePosition(start.xyz + [0.02 * i, 0, 0], start.ypr) for i in range(200)]
-        told = follower.check_path(way)
-        self.assertIn("out of reach of the arm", told.obstacle)
-        self.assertTrue(0 < told.feasible < 200)
+        checked = follower.check_path(way)
+        self.assertIn("out of reach of the arm", checked.obstacle)
+        self.assertTrue(0 < checked.feasible < 200)
         self.assertEqual(follower.check_path(way[:1]).obstacle, "")
 
     def test_surfaces_meet_the_table(self):

@@ -75,7 +75,7 @@ class Touch(unittest.TestCase):
         for first, second in zip(play(), play()):
             np.testing.assert_array_equal(np.ravel(first[0]), np.ravel(second[0]))
 
-    def test_touches_tell_the_pose(self):
+    def test_touches_determine_the_pose(self):
         """Touches from all sides at half height are enough for a box on a table."""
         found = 0
         for seed in range(5):
@@ -125,7 +125,7 @@ class Pick(unittest.TestCase):
             warnings.simplefilter("error")
             check_env(self.env, skip_render_check=True)
 
-    def test_the_hand_goes_where_it_is_told(self):
+    def test_the_hand_goes_where_it_is_commanded(self):
         observation, info = self.env.reset(seed=3)
         down = np.zeros(self.env.action_space.shape)
         down[0], down[2] = 1.0, -1.0

@@ -115,8 +115,8 @@ class Localization(unittest.TestCase):
         few = palpate.Contacts(self.points[:3], self.normals[:3]).transformed(self.truth)
         alone = palpate.localize(self.model, few)
         prior = palpate.prior_from(palpate.localize(self.model, self.contacts), floor=1e-9)
-        told = palpate.localize(self.model, few, prior=prior)
-        self.assertGreater(told.probability, alone.probability + 0.3)
+        informed = palpate.localize(self.model, few, prior=prior)
+        self.assertGreater(informed.probability, alone.probability + 0.3)
         table = palpate.TableSupport(np.eye(4), half_width=0.05)
         resting = palpate.localize(self.model, palpate.Contacts(np.empty((0, 3))), table=table)
         heights = [pose.height for pose in self.model.object.stable_poses]
@@ -132,9 +132,9 @@ class Localization(unittest.TestCase):
         axes = np.vstack([np.eye(3), -np.eye(3)])
         planes = np.column_stack([axes, (vertices @ axes.T).min(axis=0)])
         alone = palpate.localize(self.model, few)
-        told = palpate.localize(self.model, few, planes=planes)
-        self.assertGreater(told.probability, alone.probability + 0.3)
-        rotation, translation = told.error(self.truth)
+        informed = palpate.localize(self.model, few, planes=planes)
+        self.assertGreater(informed.probability, alone.probability + 0.3)
+        rotation, translation = informed.error(self.truth)
         self.assertLess(np.degrees(rotation), 5)
         self.assertLess(translation, 0.005)
         for wrong, words in ([[[0, 0, 1]], r"not \(N, 4\) or"], [[[0, 0, 2, 0]], "length 2"],

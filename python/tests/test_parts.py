@@ -59,22 +59,22 @@ class Tip(palpate.Sensor):
 
 
 class JointArm(palpate.Arm):
-    """An arm that is told joint angles: its driver does at once what it is told."""
+    """An arm that takes joint angles: its driver does at once what it is commanded."""
 
     def __init__(self, arm, hand):
         super().__init__(arm.name)
         self.arm, self.follower = arm, palpate.ArmFollower(arm)
         start = sim.waiting_command(hand)
-        self.told = [self.follower.reset(start.T_world_base, palpate.working_tour(hand))]
+        self.commanded = [self.follower.reset(start.T_world_base, palpate.working_tour(hand))]
         self.force = np.zeros(3)
 
     def move(self, target):
         self.target = target
-        self.told.append(self.follower.follow(target.T_world_base))
+        self.commanded.append(self.follower.follow(target.T_world_base))
 
     def where(self):
         """Of the hand's base, by the joints."""
-        return palpate.BasePosition.at(self.arm.mount_pose(self.told[-1]), near=self.target)
+        return palpate.BasePosition.at(self.arm.mount_pose(self.commanded[-1]), near=self.target)
 
     def read(self):
         return palpate.ArmReading(self.where(), self.force)
@@ -238,8 +238,8 @@ class PickWithParts(unittest.TestCase):
         fingers = CarriedFingers(self.world.hand, arm)
         result = sim.pick(self.model, fingers, arm=arm, seed=3, options=QUICK)
         self.assertEqual(result.fault, "none", result.fault_detail)
-        speeds = np.abs(np.diff(arm.told, axis=0)) / 0.01
-        self.assertGreater(len(arm.told), 1000)
+        speeds = np.abs(np.diff(arm.commanded, axis=0)) / 0.01
+        self.assertGreater(len(arm.commanded), 1000)
         self.assertLessEqual(speeds.max(), 2 + 1e-9)
         self.assertEqual(result.status, "held", result)
         self.assertLess(result.posterior.error(self.world.truth())[1], 0.01)

@@ -121,7 +121,7 @@ class Registration(unittest.TestCase):
 
 
 class Clouds(unittest.TestCase):
-    """Of the duck, whose poses are told by how far they put its points from its surface."""
+    """Of the duck, whose poses are measured by how far they put its points from its surface."""
 
     @classmethod
     def setUpClass(cls):

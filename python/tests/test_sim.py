@@ -178,14 +178,14 @@ class PickInSimulation(unittest.TestCase):
             (np.eye(3), r"place has shape \(3, 3\), not \(4, 4\)"),
             (np.eye(4), "inside the table"),
             ([5, 5, 0], "out of reach"),
-            ("stable_pose", "only a simulation knows"),
+            ("stable_pose", "known only in simulation"),
         ):
             with self.assertRaisesRegex(ValueError, words):
                 sim.pick(self.model, hand, place=place)
 
     def test_the_ideal_world_is_that_of_the_configuration(self):
         file = pathlib.Path(__file__).parents[2] / "configs" / "ideal.toml"
-        told = tomllib.loads(file.read_text())
+        options = tomllib.loads(file.read_text())
 
         def flat(section, prefix):
             for key, value in section.items():
@@ -194,7 +194,7 @@ class PickInSimulation(unittest.TestCase):
                 else:
                     yield prefix + key, value
 
-        self.assertEqual(sim.IDEAL, dict(flat(told, "")))
+        self.assertEqual(sim.IDEAL, dict(flat(options, "")))
 
     def test_threads_take_turns_with_a_world(self):
         world = self.world()

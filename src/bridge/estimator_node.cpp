@@ -32,7 +32,8 @@ ros2::DiagnosticStatus diagnosis(const ros2::StreamCounts& counts, std::uint64_t
   ros2::DiagnosticStatus status;
   const bool silent = counts.readings == readings_before;
   const bool faulty =
-      counts.malformed + counts.out_of_order + counts.gaps + counts.blind + counts.restarts > 0 ||
+      counts.malformed + counts.out_of_order + counts.gaps + counts.incomplete + counts.restarts >
+          0 ||
       !refused.empty();
   status.level = silent   ? ros2::DiagnosticStatus::kStale
                  : faulty ? ros2::DiagnosticStatus::kWarn
@@ -49,7 +50,7 @@ ros2::DiagnosticStatus diagnosis(const ros2::StreamCounts& counts, std::uint64_t
   add("malformed", counts.malformed);
   add("out_of_order", counts.out_of_order);
   add("gaps", counts.gaps);
-  add("blind", counts.blind);
+  add("incomplete", counts.incomplete);
   add("restarts", counts.restarts);
   return status;
 }

@@ -68,7 +68,7 @@ struct HandServer::Impl {
     return reading;
   }
 
-  /// Takes what has come, and tells of each what it asks for.
+  /// Takes what has come, and reports of each what it asks for.
   void take(HandCommands& commands, const std::function<void(HandCommands::Effect)>& on_effect) {
     const auto from = [&](RawReader& reader, auto method) {
       reader.take([&](std::string_view cdr, std::uint64_t) {

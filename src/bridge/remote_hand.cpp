@@ -154,7 +154,7 @@ struct RemoteHand::Impl {
     return std::nullopt;
   }
 
-  /// The newest reading of those that still come. A hand that waits for commands tells where it
+  /// The newest reading of those that still come. A hand that waits for commands reports where it
   /// starts, too: taken for the answer to the first command it would put all answers one late.
   hand::HandReading settle(hand::HandReading reading) {
     const auto start = Clock::now();
@@ -191,7 +191,7 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
     throw BadInput(
         fmt::format("no hand within {} s: {} messages came, {} joint states without the "
                     "place of the mount, {} malformed {}{}",
-                    impl.options.connect, impl.received, impl.stream.counts().blind,
+                    impl.options.connect, impl.received, impl.stream.counts().incomplete,
                     impl.stream.counts().malformed, impl.stream.counts().last_error,
                     refused.empty() ? "" : "; senders that are best effort: " + refused));
   }

@@ -13,8 +13,8 @@
 namespace palpate::bridge {
 namespace {
 
-constexpr double kPatience = 0.02;                    // s that one round waits
-constexpr std::uint64_t kTellPeriod = 1'000'000'000;  // ns
+constexpr double kPatience = 0.02;                      // s that one round waits
+constexpr std::uint64_t kReportPeriod = 1'000'000'000;  // ns
 constexpr std::size_t kMaxModes = 100;
 
 double seconds(std::uint64_t from, std::uint64_t to) {
@@ -36,14 +36,14 @@ struct StreamWatcher::Impl {
   double shown_at = 0;         // s, of the last frame; goes on where the stream's clock is set back
   double offset = 0;           // s, from the stream's time to that which is shown
   std::uint64_t restarts = 0;  // of the stream, that the offset makes up for
-  std::uint64_t told_at = 0;
+  std::uint64_t reported_at = 0;
 
   Impl(Participant& at, const hand::Description& described, const ros2::RobotInterface& interface,
-       recording::Sink& to, Observer told)
+       recording::Sink& to, Observer given)
       : participant(at),
         hand(described),
         sink(to),
-        observer(std::move(told)),
+        observer(std::move(given)),
         stream(described, interface),
         poses(at, interface.palpate + "/estimate", ros2::PoseWithCovarianceStamped::kType, {}),
         modes(at, interface.palpate + "/modes", ros2::PoseArray::kType, {}),
@@ -70,7 +70,7 @@ struct StreamWatcher::Impl {
     take<ros2::String>(status, [&](const auto& message, std::uint64_t) {
       if (coming.modes.empty()) return;
       coming.status = message.data;
-      tell_estimate();
+      add_estimate();
     });
   }
 
@@ -111,7 +111,7 @@ struct StreamWatcher::Impl {
   }
 
   /// As a belief, of which there may be ten a second.
-  void tell_estimate() {
+  void add_estimate() {
     recording::BeliefRecord belief{
         .time = coming.time, .source = "online", .in_hand = true, .poses = {}};
     for (const auto& mode : coming.modes) {
@@ -122,10 +122,10 @@ struct StreamWatcher::Impl {
     ++report.estimates;
   }
 
-  void tell() {
+  void notify() {
     const std::uint64_t now = wall_clock();
-    if (!observer || now < told_at + kTellPeriod) return;
-    told_at = now;
+    if (!observer || now < reported_at + kReportPeriod) return;
+    reported_at = now;
     update();
     observer(report);
   }
@@ -149,7 +149,7 @@ void StreamWatcher::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     impl_->participant.wait(kPatience);
     impl_->receive();
-    impl_->tell();
+    impl_->notify();
   }
 }
 

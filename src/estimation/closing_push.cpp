@@ -10,14 +10,14 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr std::size_t kAveraged = 5;    // readings
-constexpr std::size_t kMostApart = 10;  // readings without a touch, that do not end it
+constexpr std::size_t kAveraged = 5;   // readings
+constexpr std::size_t kMaxApart = 10;  // readings without a touch, that do not end it
 
 /// The reading at which a finger met what it touches until `closed`; after it if it touches
 /// nothing.
 std::size_t first_of_touch(const EventLog& log, std::size_t finger, std::size_t closed) {
   std::size_t first = closed + 1;
-  for (std::size_t i = closed + 1; i-- > 0 && first - i <= kMostApart + 1;) {
+  for (std::size_t i = closed + 1; i-- > 0 && first - i <= kMaxApart + 1;) {
     if (!log.readings[i].contacts[finger].empty()) first = i;
   }
   return first;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kKept = 100;    // readings
 constexpr double kUnfollowed = 1e-3;  // probability that what was known does not hold
-constexpr double kSamePlace = 0.003;  // m between contacts of which one tells nothing new
+constexpr double kSamePlace = 0.003;  // m between contacts of which one adds no information
 constexpr double kSameNormal = 0.9;   // cosine between their normals
 constexpr double kNever = -1e9;       // s
 

@@ -12,12 +12,12 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr double kEnergy = 1e-4;     // J, that a light push spends
-constexpr double kTopPush = 0.002;   // m, by which it moves the top
-constexpr double kTilt = 0.05;       // rad, at which the rise is measured
-constexpr double kLeastRise = 1e-9;  // m
-constexpr int kAxes = 12;            // that are tried at first, over a half turn
-constexpr double kFinest = 0.004;    // rad, to which the softest is sought
+constexpr double kEnergy = 1e-4;    // J, that a light push spends
+constexpr double kTopPush = 0.002;  // m, by which it moves the top
+constexpr double kTilt = 0.05;      // rad, at which the rise is measured
+constexpr double kMinRise = 1e-9;   // m
+constexpr int kAxes = 12;           // that are tried at first, over a half turn
+constexpr double kFinest = 0.004;   // rad, to which the softest is sought
 
 /// An object that rests on a plane, in axes about its centroid of which the last is up.
 struct Resting {
@@ -54,7 +54,7 @@ double tilt_about(const Resting& resting, const Eigen::Vector3d& axis) {
   const double rise =
       std::min(height(resting.points, axis, kTilt), height(resting.points, axis, -kTilt)) -
       resting.low;
-  const double energy = resting.weight * std::max(rise, kLeastRise);
+  const double energy = resting.weight * std::max(rise, kMinRise);
   return std::min(kTilt * kEnergy / energy, kTopPush / resting.tall);
 }
 

@@ -23,7 +23,7 @@ using estimation::TouchEvent;
 constexpr std::size_t kMaxPosesOfBelief = 60;  // of a belief
 constexpr std::size_t kBefore = 20;            // readings of the grasp that is followed
 
-/// What the thread is told: a reading, an event of the pick, or that nothing follows.
+/// What the thread is given: a reading, an event of the pick, or that nothing follows.
 using Item = std::variant<hand::HandReading, TouchEvent, std::monostate>;
 
 bool lets_go(TouchEvent event) {
@@ -72,16 +72,16 @@ struct BeliefRecorder::Impl {
   std::thread thread;
 
   Impl(const geometry::ObjectModel& known, const hand::Description& hand, const Options& chosen,
-       std::uint64_t seeded, Observer told)
+       std::uint64_t seeded, Observer given)
       : object(known),
         believed(hand),
         options(chosen),
         seed(seeded),
-        observer(std::move(told)),
+        observer(std::move(given)),
         estimator(known, chosen.pick.estimation, seeded) {}
 
   void run() {
-    tell(0, "prior", false, prior_poses(object.object(), options.pick.estimation));
+    report(0, "prior", false, prior_poses(object.object(), options.pick.estimation));
     while (true) {
       const Item item = queue.pop();
       if (std::holds_alternative<std::monostate>(item)) return;
@@ -98,7 +98,7 @@ struct BeliefRecorder::Impl {
   }
 
   /// Where no pose is credible, what was believed before stays.
-  void tell(double time, const char* source, bool in_hand, std::vector<CrediblePose> poses) {
+  void report(double time, const char* source, bool in_hand, std::vector<CrediblePose> poses) {
     if (poses.empty()) return;
     recording::BeliefRecord belief{.time = time, .source = source, .in_hand = in_hand, .poses = {}};
     for (const auto& pose : poses) {
@@ -117,7 +117,7 @@ struct BeliefRecorder::Impl {
     auto estimate = follower->estimate(task);
     const auto poses = credible_poses(estimate.posterior, kMaxPosesOfBelief);
     follower->accept(task, std::move(estimate));
-    tell(reading.time, "online", true, poses);
+    report(reading.time, "online", true, poses);
   }
 
   void note(TouchEvent event) {
@@ -128,11 +128,11 @@ struct BeliefRecorder::Impl {
     if (lets_go(event)) follower.reset();
     try {
       if (estimation::ends_guarded_move(event)) {
-        tell(time, "touch", false,
-             credible_poses(estimator.resting(hand(), log), kMaxPosesOfBelief));
+        report(time, "touch", false,
+               credible_poses(estimator.resting(hand(), log), kMaxPosesOfBelief));
       } else if (is_grasp(event)) {
         const auto posterior = estimator.held(hand(), log, present).posterior;
-        tell(time, "grasp", true, credible_poses(posterior, kMaxPosesOfBelief));
+        report(time, "grasp", true, credible_poses(posterior, kMaxPosesOfBelief));
         if (options.online) follow(posterior);
       }
     } catch (const BadInput&) {

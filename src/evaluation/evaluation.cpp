@@ -64,7 +64,7 @@ class Preparation {
     return model_;
   }
 
-  void let_go() {
+  void release() {
     const std::lock_guard lock(mutex_);
     model_.reset();
   }
@@ -161,7 +161,7 @@ void evaluate(const std::vector<EvaluatedObject>& objects, const TrialOptions& o
   SummariesInOrder summaries(objects, hooks);
   const auto summarize = [&](const TrialId& id, const Trial& trial) {
     for (; summaries.next() < id.object; summaries.end_object()) {
-      preparations[summaries.next()].let_go();
+      preparations[summaries.next()].release();
     }
     summaries.add(id, trial);
   };

@@ -142,9 +142,9 @@ PlaceMetrics Evaluator::place_metrics(const skills::PlaceResult& result,
   PlaceMetrics metrics;
   const estimation::EventLog picked = log.until(estimation::TouchEvent::held);
   const std::size_t held = picked.readings.size() - 1;
-  std::size_t let_go = log.until(estimation::TouchEvent::placed).readings.size() - 1;
-  if (let_go < held) let_go = log.readings.size() - 1;  // it was not placed since it was picked
-  metrics.dropped = left_the_hand(log, held, let_go);
+  std::size_t release = log.until(estimation::TouchEvent::placed).readings.size() - 1;
+  if (release < held) release = log.readings.size() - 1;  // it was not placed since it was picked
+  metrics.dropped = left_the_hand(log, held, release);
   const auto closed = picked.at(estimation::TouchEvent::closed);
   const Eigen::Isometry3d before = object_at(log, closed ? *closed : held);
   metrics.T_world_target = skills::target_pose(
@@ -157,12 +157,12 @@ PlaceMetrics Evaluator::place_metrics(const skills::PlaceResult& result,
   metrics.in_stable_pose =
       skills::same_side_up(object, after.linear(), metrics.T_world_target.linear(), kSameSide);
   if (!result.T_world_placed || world_.diverged()) return metrics;
-  const Eigen::Isometry3d at_release = object_at(log, let_go);
+  const Eigen::Isometry3d at_release = object_at(log, release);
   metrics.estimate = apart(*result.T_world_placed, at_release);
   metrics.release = apart(after, at_release);
-  const bool let_go_for_good =
+  const bool released_for_good =
       result.status == skills::PlaceStatus::placed || result.status == skills::PlaceStatus::missing;
-  metrics.placed = let_go_for_good && within(metrics.error, kPoseAngle, kPoseDistance);
+  metrics.placed = released_for_good && within(metrics.error, kPoseAngle, kPoseDistance);
   metrics.tight = metrics.placed && within(metrics.error, kPlaceTightAngle, kPlaceTightDistance);
   metrics.wrong = result.certain && !result.on_the_way && !metrics.placed;
   return metrics;

@@ -7,7 +7,7 @@
 
 namespace palpate::evaluation {
 
-/// Watches a simulated pick with the simulator's truth and judges it afterwards.
+/// Watches a simulated pick with the simulator's truth and evaluates it afterwards.
 class Evaluator {
  public:
   explicit Evaluator(const simulation::World& world) : world_(world) {}

@@ -39,7 +39,7 @@ void Recorder::frame(const hand::HandReading& reading, const hand::HandCommand& 
   sink_->frame({reading, command, recording::FrameTruth{truth.T_world_object, truth.joints}});
 }
 
-void Recorder::mark(estimation::TouchEvent event) {
+void Recorder::event(estimation::TouchEvent event) {
   if (!sink_) return;
   sink_->event({time_, recording::EventKind::note, phase_,
                 std::string(kEventPrefix)

@@ -208,7 +208,7 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
                             evaluator.observe(reading);
                             recorder.frame(reading, command);
                           },
-                          [&](estimation::TouchEvent event) { recorder.mark(event); },
+                          [&](estimation::TouchEvent event) { recorder.event(event); },
                           [&](const auto& posterior) { recorder.posterior(posterior); }},
                          &models, {options.safety, std::move(stop)});
   skills::PhaseObserver observers = recorder.phases_and(observer);

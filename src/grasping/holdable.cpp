@@ -17,7 +17,7 @@ namespace palpate::grasping {
 namespace {
 
 constexpr std::size_t kPoints = 2000;  // of the surface
-constexpr double kMostUpward = 0.7;    // most of a normal's upward part, of one that looks sideways
+constexpr double kMaxUpward = 0.7;     // most of a normal's upward part, of one that looks sideways
 constexpr double kInside = 1e-5;       // m below the surface, where the way through begins
 constexpr double kFar = 10;            // m
 constexpr double kNarrow = 0.5;        // of the opening: what is narrower is not too wide
@@ -59,7 +59,7 @@ bool sideways_in_any(const geometry::KnownObject& object, const Eigen::Vector3d&
   return std::any_of(object.stable_poses.begin(), object.stable_poses.end(),
                      [&](const geometry::StablePose& stable_pose) {
                        const double up = stable_pose.R_table_object.row(2) * normal;
-                       return std::abs(up) < kMostUpward;
+                       return std::abs(up) < kMaxUpward;
                      });
 }
 
@@ -100,7 +100,7 @@ double greatest_press(const hand::Description& hand) {
   return 2 * std::min(press_of(hand, hand.thumb), others);
 }
 
-double least_width(const geometry::KnownObject& object) {
+double min_width(const geometry::KnownObject& object) {
   const geometry::MeshQuery query(object.mesh);
   double least = std::numeric_limits<double>::infinity();
   for (const auto& [point, normal] :
@@ -118,7 +118,7 @@ std::string why_not_holdable(const geometry::ObjectModel& object, const hand::De
     return fmt::format("too heavy: it weighs {:.1f} N, and the fingers press with {:.0f} N", weight,
                        press);
   }
-  const double width = least_width(object.object()), open = opening(hand);
+  const double width = min_width(object.object()), open = opening(hand);
   if (width > kNarrow * open && !has_grasp(object, hand)) {
     return fmt::format("too wide: {:.0f} mm across at least, and the hand opens {:.0f} mm",
                        1e3 * width, 1e3 * open);

@@ -136,7 +136,7 @@ std::vector<PointingHand> pointing_hands(const Description& hand) {
   return hands;
 }
 
-/// What tells one preshape from the other.
+/// What distinguishes one preshape from the other.
 struct Fingers {
   double proximal, distal, spread, thumb_base, thumb_opposition, thumb_middle;
   double thumb_end;                   ///< largest THJ5

@@ -16,8 +16,8 @@
 namespace palpate::localization {
 namespace {
 
-constexpr double kMostVoxels = 3e7;  // of a grid, a byte each
-constexpr double kOffGrid = 0.05;    // of the pitch, that a center may be beside its voxel's
+constexpr double kMaxVoxels = 3e7;  // of a grid, a byte each
+constexpr double kOffGrid = 0.05;   // of the pitch, that a center may be beside its voxel's
 
 /// Which cubes of one size are free.
 struct Level {
@@ -84,7 +84,7 @@ FreeVoxels grid_of(const std::vector<FreeSphere>& rows, const std::string& sourc
   Eigen::AlignedBox3d box;
   for (const FreeSphere& row : rows) box.extend(row.center);
   const Eigen::Array3d cells = (box.sizes().array() / grid.pitch).round() + 1;
-  if (!(grid.pitch > 0) || !(cells.prod() <= kMostVoxels)) {
+  if (!(grid.pitch > 0) || !(cells.prod() <= kMaxVoxels)) {
     throw BadInput(fmt::format("{}: voxels of {} m make a grid of {:.0f} x {:.0f} x {:.0f}", source,
                                grid.pitch, cells.x(), cells.y(), cells.z()));
   }

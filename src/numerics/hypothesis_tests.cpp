@@ -22,7 +22,7 @@ namespace bm = boost::math;
 constexpr double kLevel = 0.05;
 constexpr int kResamples = 10000;
 constexpr std::size_t kExact = 50;  // values, up to which the distribution of ranks is counted out
-constexpr std::size_t kShapiroWilk = 3, kTellsNormality = 10;  // values
+constexpr std::size_t kShapiroWilk = 3, kMinForNormality = 10;  // values
 
 double size(const std::vector<double>& values) { return static_cast<double>(values.size()); }
 
@@ -136,7 +136,7 @@ void test_means(const std::vector<double>& a, const std::vector<double>& b,
 }
 
 /// Least p that two samples of these sizes without ties can have.
-double least_p(std::size_t na, std::size_t nb) {
+double min_p(std::size_t na, std::size_t nb) {
   double ways = 1;
   for (std::size_t i = 1; i <= na; ++i) {
     ways *= static_cast<double>(nb + i) / static_cast<double>(i);
@@ -157,11 +157,11 @@ std::string only_ranks(const std::vector<double>& a, const std::vector<double>& 
     return fmt::format("all values of {} are {:g}, so it is not normal and has no variance", name,
                        values->front());
   }
-  if (std::min(a.size(), b.size()) >= kTellsNormality) return {};
+  if (std::min(a.size(), b.size()) >= kMinForNormality) return {};
   return fmt::format(
-      "{} and {} values are too few to tell whether they are normal (at least {} "
+      "{} and {} values are too few to decide whether they are normal (at least {} "
       "each); the least p that they can have is {:.2g}",
-      a.size(), b.size(), kTellsNormality, least_p(a.size(), b.size()));
+      a.size(), b.size(), kMinForNormality, min_p(a.size(), b.size()));
 }
 
 void choose_test(const std::vector<double>& a, const std::vector<double>& b,

@@ -39,7 +39,7 @@ constexpr std::string_view kLetGo = "mark placed";
 constexpr std::size_t kBoxNumbers = kPoseNumbers + 3;
 
 /// Where the object was to be put, the way planned there (x y z of its centroid), the boxes of the
-/// fixture (pose, then half extents), and when the hand let go there, as the notes tell.
+/// fixture (pose, then half extents), and when the hand let go there, as the notes state.
 json placement_to_json(const std::vector<Event>& events) {
   json placement = {{"target", nullptr},
                     {"path", json::array()},
@@ -191,17 +191,17 @@ json page_story(const Recording& recording) {
     }
   }
   std::ranges::stable_sort(beliefs, {}, &BeliefRecord::time);
-  json estimates = json::array(), told = json::array();
+  json estimates = json::array(), shown = json::array();
   for (const auto& estimate : recording.estimates) {
     estimates.push_back(
         estimate_to_json(estimate, truth_at(recording.frames, estimate.time), symmetries));
   }
   for (const auto& belief : beliefs) {
-    told.push_back(belief_to_json(belief, truth_at(recording.frames, belief.time), symmetries));
+    shown.push_back(belief_to_json(belief, truth_at(recording.frames, belief.time), symmetries));
   }
   const double last = recording.frames.empty() ? 0 : recording.frames.back().reading.time;
   json story = events_to_json(recording.events, last);
-  story.update({{"beliefs", told}, {"estimates", estimates}});
+  story.update({{"beliefs", shown}, {"estimates", estimates}});
   return story;
 }
 

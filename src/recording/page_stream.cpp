@@ -37,7 +37,7 @@ struct PageStream::Impl {
     send_message(message.dump(-1, ' ', false, json::error_handler_t::replace));
   }
 
-  /// What is told of an earlier time is judged by the truth of then.
+  /// An estimate of an earlier time is compared with the truth of then.
   [[nodiscard]] const FrameTruth* truth_at(double time) const {
     const auto after = std::upper_bound(
         truths.begin(), truths.end(), time + hand::kTick / 2,
@@ -45,7 +45,7 @@ struct PageStream::Impl {
     return after == truths.begin() ? nullptr : &std::prev(after)->second;
   }
 
-  void tell(const BeliefRecord& belief) {
+  void add(const BeliefRecord& belief) {
     send("belief", belief_to_json(belief, truth_at(belief.time), header.object.symmetries));
   }
 };
@@ -74,7 +74,7 @@ void PageStream::frame(const Frame& frame) {
 void PageStream::event(const Event& event) {
   const std::lock_guard lock(impl_->mutex);
   if (holds_belief(event)) {
-    if (!impl_->has_beliefs) impl_->tell(belief_of(event));
+    if (!impl_->has_beliefs) impl_->add(belief_of(event));
     return;
   }
   impl_->events.push_back(event);
@@ -90,7 +90,7 @@ void PageStream::estimate(const EstimateRecord& estimate) {
 void PageStream::belief(const BeliefRecord& belief) {
   const std::lock_guard lock(impl_->mutex);
   impl_->has_beliefs = true;
-  impl_->tell(belief);
+  impl_->add(belief);
 }
 
 void PageStream::status(const std::string& text) {

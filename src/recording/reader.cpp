@@ -15,7 +15,7 @@
 namespace palpate::recording {
 namespace {
 
-/// Whether the contacts tell of their errors: from version 4 on the header says so.
+/// Whether the contacts report their errors: from version 4 on the header says so.
 bool has_errors(const Seal& seal, const RecordingHeader& header) {
   constexpr int kErrorsByVersion = 3;
   return seal.version == kErrorsByVersion ||
@@ -95,7 +95,7 @@ void check_finite(const std::vector<double>& values, const char* name, int width
       fmt::format("{} of frame {} holds {}", name, (bad - values.begin()) / width, *bad));
 }
 
-/// @param errors  of the contacts; empty where they tell of none
+/// @param errors  of the contacts; empty where they report none
 void set_contacts(const std::vector<int>& counts, const std::vector<double>& rows,
                   const std::vector<double>& errors, std::vector<Frame>& frames) {
   const double* row = rows.data();
@@ -114,7 +114,7 @@ void set_contacts(const std::vector<int>& counts, const std::vector<double>& row
   }
 }
 
-/// What the contacts tell of their errors; empty where they tell nothing.
+/// The errors that the contacts report; empty where they report none.
 std::vector<double> read_contact_errors(const H5::H5File& file) {
   auto errors = read_rows<double>(file, kContactErrors, kContactErrorWidth);
   const auto bad = std::find_if_not(errors.begin(), errors.end(), tactile::is_standard_deviation);

@@ -115,7 +115,7 @@ void check_sizes(const Frame& frame, const hand::Description& hand) {
       reading.contacts.size(), hand.joint_count(), hand.actuator_count(), hand.fingers.size()));
 }
 
-/// @throws BadInput if a contact tells of its error, which the file has no place for
+/// @throws BadInput if a contact reports its error, which the file has no place for
 void check_silent(const hand::HandReading& reading) {
   for (const auto& finger : reading.contacts) {
     for (const auto& contact : finger) {
@@ -128,7 +128,7 @@ void check_silent(const hand::HandReading& reading) {
   }
 }
 
-/// @throws BadInput if a contact tells of an error that cannot be one
+/// @throws BadInput if a contact reports an error that cannot be one
 void check_errors(const hand::HandReading& reading) {
   for (const auto& finger : reading.contacts) {
     for (const auto& contact : finger) {

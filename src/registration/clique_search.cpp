@@ -98,11 +98,11 @@ bool CliqueSearch::shows_larger(std::size_t sample_size) const {
 /// consensus would have come up; and of a runner-up that has an eighth of its inliers, if that is
 /// soon done.
 bool CliqueSearch::is_largest() const {
-  constexpr double kLogMissed = 3.5, kRunnerUpShare = 0.125, kMostForRunnerUp = 60;
+  constexpr double kLogMissed = 3.5, kRunnerUpShare = 0.125, kMaxForRunnerUp = 60;
   const double others = scorer_.size() - best_.inliers;
   const double larger = best_.inliers >= others ? 0 : kLogMissed * others / best_.inliers;
   const double runner_up = 2 * kLogMissed * others / (kRunnerUpShare * best_.inliers);
-  return outside_ >= std::max(larger, std::min(runner_up, kMostForRunnerUp));
+  return outside_ >= std::max(larger, std::min(runner_up, kMaxForRunnerUp));
 }
 
 int CliqueSearch::next_seed(std::vector<int>& order, const std::vector<int>& sample, std::size_t k,
@@ -150,15 +150,15 @@ std::vector<int> CliqueSearch::clique_of(EgoGraph& graph, const std::vector<int>
   std::vector<int> clique = graph.clique(kLargestClique);
   largest = std::max(largest, clique.size());
   // What is as large as the settled consensus' cliques is not all that matters any more.
-  const std::size_t least = settled_ ? least_in_clique(sample.size()) : largest - 1;
+  const std::size_t least = settled_ ? min_in_clique(sample.size()) : largest - 1;
   if (clique.size() < std::max<std::size_t>(3, std::min(least, kSurelyLarge - 1))) return {};
   for (int& vertex : clique) vertex = sample[static_cast<std::size_t>(vertex)];
   return clique;
 }
 
 /// Of a larger consensus than the settled one about as many pairs of a sample agree as its size
-/// tells; a clique holds part of them. Not more, as runners-up are smaller.
-std::size_t CliqueSearch::least_in_clique(std::size_t sample_size) const {
+/// estimates; a clique holds part of them. Not more, as runners-up are smaller.
+std::size_t CliqueSearch::min_in_clique(std::size_t sample_size) const {
   constexpr double kPart = 0.35;
   constexpr std::size_t kMost = 4;
   const double members = static_cast<double>(sample_size) * best_.inliers / scorer_.size();
@@ -193,7 +193,7 @@ bool CliqueSearch::propose(const std::vector<int>& clique, const PairColumns& ne
   Eigen::Isometry3d T = pose_of(clique);
   consider_mirror(clique, T);
   // Those nearby hold most of what agrees in the sample, and are few.
-  const double wanted = std::min(kWorthRefining * best_.gain, least_of_runner_up());
+  const double wanted = std::min(kWorthRefining * best_.gain, min_of_runner_up());
   if (settled_ && scorer_.over(nearby).gain(T) < kNearby * share * wanted) return false;
   const double rough = scorer_.gain(T);
   // The first pose of a clique is rough: half of the best gain is worth a refinement.
@@ -212,8 +212,8 @@ bool CliqueSearch::propose(const std::vector<int>& clique, const PairColumns& ne
 /// A clique may fit a reflection better than any rotation, as that keeps lengths, too.
 /// @param T  of the clique
 void CliqueSearch::consider_mirror(const std::vector<int>& clique, const Eigen::Isometry3d& T) {
-  constexpr std::size_t kTells = 5;
-  if (clique.size() < kTells || !options_.turns.all()) return;
+  constexpr std::size_t kInformative = 5;
+  if (clique.size() < kInformative || !options_.turns.all()) return;
   Eigen::Isometry3d reflection = scorer_.align_mirrored(clique);
   if (scorer_.gain_of(clique, reflection) <= scorer_.gain_of(clique, T)) return;
   if (scorer_.gain(reflection) < 0.5 * mirrored_.gain) return;
@@ -233,14 +233,14 @@ bool CliqueSearch::is_mirrored() {
 }
 
 /// Of a rough pose.
-double CliqueSearch::least_of_runner_up() const {
+double CliqueSearch::min_of_runner_up() const {
   constexpr double kMoreThanAccidents = 6;
   return std::max(kMoreThanAccidents, 0.5 * runner_up_.gain);
 }
 
 /// Another pose than the settled one, if its inliers are mostly others.
 void CliqueSearch::consider_runner_up(const Eigen::Isometry3d& T, double gain) {
-  if (!settled_ || gain < least_of_runner_up()) return;
+  if (!settled_ || gain < min_of_runner_up()) return;
   Pose pose{T, gain, 0};
   pose.gain = scorer_.descend(pose.T);
   pose.inliers = scorer_.score(pose.T).count;
@@ -288,7 +288,7 @@ void CliqueSearch::polish() {
 /// around each inlier of a few, as most of them are right ones.
 void CliqueSearch::reconsider() {
   constexpr int kFewInliers = 12;
-  constexpr std::size_t kTells = 4;
+  constexpr std::size_t kInformative = 4;
   if (best_.inliers > kFewInliers) return;
   EgoGraph graph(scorer_.columns(), kLengthTolerance, options_.normal_noise_deg);
   const std::vector<int> inliers = scorer_.near(best_.T, 1);
@@ -296,7 +296,7 @@ void CliqueSearch::reconsider() {
     graph.look_around(inlier);
     const std::vector<int> clique = graph.clique(kLargestClique);
     const bool known = std::ranges::all_of(clique, [&](int i) { return holds(inliers, i); });
-    if (known || clique.size() < kTells) continue;
+    if (known || clique.size() < kInformative) continue;
     Eigen::Isometry3d T = scorer_.align(clique);
     if (scorer_.gain(T) < kWorthRefining * best_.gain) continue;
     const double gain = scorer_.descend(T);
@@ -308,10 +308,10 @@ void CliqueSearch::reconsider() {
 /// them; where there are very few, also after each two.
 /// @return whether one is better
 bool CliqueSearch::exchange() {
-  constexpr std::size_t kMostNear = 64, kVeryFew = 7;
+  constexpr std::size_t kMaxNear = 64, kVeryFew = 7;
   const std::vector<int> inliers = scorer_.near(best_.T, 1);
   std::vector<int> near = scorer_.near(best_.T, kNear);
-  near.resize(std::min(near.size(), kMostNear));
+  near.resize(std::min(near.size(), kMaxNear));
   bool better = false;
   for (std::size_t a = 0; a < near.size(); ++a) {
     better |= refine({near[a]}, inliers);

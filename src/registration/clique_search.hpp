@@ -24,7 +24,7 @@ class CliqueSearch {
   /// up
   bool run(const std::vector<int>& sample, int seeds, RandomStream random, Consensus& best);
 
-  /// Judges the best pose.
+  /// Evaluates the best pose.
   void conclude(Consensus& best);
 
  private:
@@ -39,7 +39,7 @@ class CliqueSearch {
   int next_seed(std::vector<int>& order, const std::vector<int>& sample, std::size_t k,
                 RandomStream& random) const;
   std::vector<int> clique_of(EgoGraph& graph, const std::vector<int>& sample, std::size_t& largest);
-  std::size_t least_in_clique(std::size_t sample_size) const;
+  std::size_t min_in_clique(std::size_t sample_size) const;
   bool exhausted(int seeds);
   bool is_beyond_doubt();
   bool is_clear(const std::vector<int>& sample, const std::vector<int>& clique);
@@ -50,7 +50,7 @@ class CliqueSearch {
                Consensus& best);
   void consider_mirror(const std::vector<int>& clique, const Eigen::Isometry3d& T);
   bool is_mirrored();
-  double least_of_runner_up() const;
+  double min_of_runner_up() const;
   void consider_runner_up(const Eigen::Isometry3d& T, double gain);
   bool keep_if_best(const Eigen::Isometry3d& T, double gain);
   bool is_beyond_chance(double level);

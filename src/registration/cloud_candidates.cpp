@@ -154,7 +154,7 @@ std::vector<Eigen::Isometry3d> unmirrored(const PointCloud& source,
 std::optional<std::vector<Eigen::Isometry3d>> promising(
     const PointCloud& source, const PointCloud& target, const Eigen::Isometry3d& T,
     const std::vector<Eigen::Isometry3d>& others, double noise_bound, const CloudOptions& options) {
-  constexpr std::size_t kEnough = 300;  // to tell poses apart that are far from fitting
+  constexpr std::size_t kEnough = 300;  // to distinguish poses that are far from fitting
   constexpr double kSurplus = 0.02, kMostLies = 0.95;
   const PointCloud some = some_points(source, kEnough);
   const NeighbourRounds to_target(some, target, options.registration.primitive,

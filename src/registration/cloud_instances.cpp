@@ -45,10 +45,10 @@ std::size_t count_within(const PointCloud& cloud, const PointCloud& of, double r
 /// keep more points than `max_points` for each of five copies.
 double voxel_of_instances(const geometry::PointView& source, const geometry::PointView& target,
                           const CloudOptions& options) {
-  constexpr int kMostCopies = 5;
+  constexpr int kMaxCopies = 5;
   const PointCloud from = thinned(source), to = thinned(target);
   const int points = options.features.max_points,
-            copies = std::min(kMostCopies, options.registration.instances);
+            copies = std::min(kMaxCopies, options.registration.instances);
   return std::max(suggested_voxel(from, from, points, options.threads),
                   suggested_voxel(to, to, copies * points, options.threads));
 }
@@ -71,8 +71,8 @@ CloudRegistration register_instances(const geometry::PointView& source,
   const PointCloud all = geometry::copied(source);
   Shared shared{geometry::copied(target), {}};
   shared.take(geometry::transformed(*result.T_target_source, all), registration.noise_bound);
-  const int most_tries = 2 * options.registration.instances;
-  for (int k = 1, tries = 1; k < options.registration.instances && tries < most_tries; ++tries) {
+  const int max_tries = 2 * options.registration.instances;
+  for (int k = 1, tries = 1; k < options.registration.instances && tries < max_tries; ++tries) {
     const RegistrationResult found = register_clouds(all, shared.left, one).result;
     if (!found.T_target_source) break;
     const PointCloud placed = geometry::transformed(*found.T_target_source, all);

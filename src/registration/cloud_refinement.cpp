@@ -55,11 +55,11 @@ struct RoundOptions {
 /// @return the last solution, if there was one with pairs enough
 std::optional<PoseEstimate> converge(NeighbourRounds& rounds, Eigen::Isometry3d T,
                                      const RoundOptions& options, int& rounds_left) {
-  constexpr std::size_t kLeastPairs = 6;
+  constexpr std::size_t kMinPairs = 6;
   std::optional<PoseEstimate> best;
   while (rounds_left > 0) {
     const std::size_t pairs = rounds.pair_up(T, options.bound, options.stride).size();
-    if (pairs < kLeastPairs || rounds.overlap() < options.min_overlap) return best;
+    if (pairs < kMinPairs || rounds.overlap() < options.min_overlap) return best;
     PoseEstimate estimate = rounds.solve();
     if (estimate.status == Status::kDegenerate) return best;
     --rounds_left;
@@ -172,7 +172,7 @@ double contradiction_of(const NeighbourRounds& rounds, const PointCloud& source,
   constexpr std::size_t kPoints = 1500;
   const auto stride = [](std::size_t size) { return std::max<std::size_t>(1, size / kPoints); };
   const double of_source = rounds.share_off_surface(T, bound, stride(source.size()));
-  if (of_source <= kMostContradiction) return of_source;
+  if (of_source <= kMaxContradiction) return of_source;
   const NeighbourRounds others(target, source, Primitive::kPoint, {}, 1);
   return std::min(of_source, others.share_off_surface(T.inverse(), bound, stride(target.size())));
 }
@@ -282,7 +282,7 @@ void refine_clouds(const PointCloud& source, const PointCloud& target, const Clo
   if (const auto& T = registration.result.T_target_source) {
     registration.contradiction =
         contradiction_of(rounds, source, target, *T, registration.noise_bound);
-    const bool refused = registration.contradiction > kMostContradiction;
+    const bool refused = registration.contradiction > kMaxContradiction;
     if (refused && !options.registration.best_effort) refuse(registration.result);
   }
   registration.result.solve_seconds += now() - start;

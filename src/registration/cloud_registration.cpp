@@ -44,7 +44,7 @@ bool is_scene(const PointCloud& from, const PointCloud& to) {
   return squared_size(to) > kTimes * kTimes * squared_size(from);
 }
 
-/// @return whether either cloud can be slid along itself, which no pose can tell
+/// @return whether either cloud can be slid along itself, which no pose can show
 bool is_degenerate(const PointCloud& from, const PointCloud& to, const AllowedTurns& turns,
                    int threads, RegistrationResult& result) {
   std::vector<FreeMotion> motions[2];
@@ -61,10 +61,10 @@ bool is_degenerate(const PointCloud& from, const PointCloud& to, const AllowedTu
 /// @param least  to the nearest of all
 double spacing_of_copies(const geometry::KdTree& tree, double least) {
   constexpr std::size_t kLooked = 64;
-  constexpr int kMostCopies = 128;
+  constexpr int kMaxCopies = 128;
   constexpr double kJump = 100;
   const std::size_t step = std::max<std::size_t>(1, tree.points().size() / kLooked);
-  const int most = std::min(kMostCopies, static_cast<int>(tree.points().size()) - 1);
+  const int most = std::min(kMaxCopies, static_cast<int>(tree.points().size()) - 1);
   std::vector<double> sums(static_cast<std::size_t>(most) + 1, 0);  // of distances to the k-th
   double looked = 0;
   for (std::size_t i = 0; i < tree.points().size(); i += step, ++looked) {

@@ -127,13 +127,13 @@ std::optional<FreeMotion> free_scaling(const SimilarityEquations& equations, std
                                        const AllowedTurns& turns) {
   // Edges that plane fits round off gave a thousandth; ten generated shapes have at least a
   // quarter.
-  constexpr double kLeastShare = 0.02;
+  constexpr double kMinShare = 0.02;
   const Eigen::Index motions = equations.information.rows() - 1;
   const auto cross = equations.information.topRightCorner(motions, 1);
   const Eigen::VectorXd follow =
       equations.information.topLeftCorner(motions, motions).ldlt().solve(cross);
   const double left = equations.information(motions, motions) - cross.col(0).dot(follow);
-  if (left > kLeastShare * equations.squared_arm * static_cast<double>(pairs)) return std::nullopt;
+  if (left > kMinShare * equations.squared_arm * static_cast<double>(pairs)) return std::nullopt;
   FreeMotion motion{.kind = FreeMotion::Kind::kScaling};
   const Vector6d twist = allowed_twists(turns) * follow;
   // An arm a moves by a - w x a - v in the units of the scale's logarithm: by nothing at this one.
@@ -168,7 +168,7 @@ void withdraw(RegistrationStatus status, RegistrationResult& result) {
 CloudRegistration refine_scale(CloudRegistration registration, const PointCloud& source,
                                const PointCloud& target, CloudOptions options) {
   constexpr int kRounds = 20;
-  constexpr double kSettled = 1e-5, kMostChange = 1.25;
+  constexpr double kSettled = 1e-5, kMaxChange = 1.25;
   const AllowedTurns turns = options.registration.turns();
   const double first = registration.result.scale;
   options.noise_bound = registration.noise_bound;
@@ -182,7 +182,7 @@ CloudRegistration refine_scale(CloudRegistration registration, const PointCloud&
     }
     Eigen::Isometry3d T = *registration.result.T_target_source;
     const double factor = step(equations, turns, T), scale = factor * registration.result.scale;
-    if (!(std::max(scale / first, first / scale) < kMostChange)) {
+    if (!(std::max(scale / first, first / scale) < kMaxChange)) {
       withdraw(RegistrationStatus::kNoConsensus, registration.result);
       break;
     }

@@ -209,12 +209,12 @@ double FalseAlarmTest::estimate_in_steps(const Eigen::Isometry3d& T, std::span<c
 }
 
 double FalseAlarmTest::estimate(const Eigen::Isometry3d& T, Effort effort, double enough) {
-  constexpr int kMostPoses = 4096, kFirst = 256;
+  constexpr int kMaxPoses = 4096, kFirst = 256;
   const auto [score, copies] = evidence(T);
   if (score.count <= 3) return number_of_false_alarms(model_, 0, score.count);
   // Of few pairs, all and at more poses.
   const int sources = std::min(effort.sources, scorer_.size() - 1);
-  const int poses = std::min(kMostPoses, effort.poses * effort.sources / sources);
+  const int poses = std::min(kMaxPoses, effort.poses * effort.sources / sources);
   const double squares = score.count - score.gain;
   const double radius = matching_radius(model_.dimensions, squares, score.count);
   Rates& rates = rates_within(radius, sources);
@@ -223,7 +223,7 @@ double FalseAlarmTest::estimate(const Eigen::Isometry3d& T, Effort effort, doubl
   // Further poses only add: if what is known were all there is, it might be enough already.
   const auto is_enough_at = [&](int some) {
     extend(rates, some);
-    background.rate = least_power_mean(rates, T, score.count - 1, poses);
+    background.rate = min_power_mean(rates, T, score.count - 1, poses);
     return expected(background, score, copies) > enough;
   };
   int looked = std::isfinite(enough) ? kFirst : poses;
@@ -282,8 +282,8 @@ double FalseAlarmTest::power_mean(const Rates& rates, const Eigen::Isometry3d& T
 }
 
 /// No more than the power mean if there were so many poses.
-double FalseAlarmTest::least_power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power,
-                                        int poses) const {
+double FalseAlarmTest::min_power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power,
+                                      int poses) const {
   const double most = std::max(static_cast<double>(poses), static_cast<double>(rates.poses.size()));
   return std::pow(powers_of(rates, T, power).sum / most, 1.0 / power) / rates.pairings.coarseness();
 }

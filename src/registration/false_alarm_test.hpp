@@ -100,8 +100,7 @@ class FalseAlarmTest {
   void extend(Rates& rates, int poses) const;
   Powers powers_of(const Rates& rates, const Eigen::Isometry3d& T, int power) const;
   double power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power) const;
-  double least_power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power,
-                          int poses) const;
+  double min_power_mean(const Rates& rates, const Eigen::Isometry3d& T, int power, int poses) const;
   bool same(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) const;
 
   const Scorer& scorer_;

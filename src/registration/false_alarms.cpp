@@ -23,7 +23,7 @@ double log_residuals(int dimensions, double squares, double k) {
                   freedom / dimensions * log_ball(dimensions, 1));
 }
 
-/// log of sqrt(det H_k). Points spread by less than the bound still tell poses apart by the bound.
+/// log of sqrt(det H_k). Points spread by less than the bound still distinguish poses by the bound.
 /// What single precision leaves uncertain of a narrow cloud's inertia counts as information, which
 /// makes chance more likely rather than less.
 double log_information(const BackgroundModel& model, double k) {

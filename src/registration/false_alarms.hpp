@@ -14,8 +14,8 @@ struct BackgroundModel {
   /// What one pair leaves free of the rotation: 8 pi^2, all of SO(3); with normals that agree to a
   /// chord c, 2 pi c^2.
   double orientations = 8 * std::numbers::pi * std::numbers::pi;
-  /// What a pair tells of the rotation on average by its position (inertia of the sources about
-  /// their mean, a share 1 / pairs each) and by its normal.
+  /// The information of a pair on the rotation, on average by its position (inertia of the sources
+  /// about their mean, a share 1 / pairs each) and by its normal.
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d normal_information = Eigen::Matrix3d::Zero();
   double radius = 1;  ///< within which the rate counts residuals, d-dimensional

@@ -117,7 +117,7 @@ std::vector<double> NeighbourRounds::truncated_costs(const Eigen::Isometry3d& T,
 }
 
 void NeighbourRounds::find_nearest(const Eigen::Isometry3d& T, double bound, std::size_t stride) {
-  constexpr double kLeastCosine = 0.5;
+  constexpr double kMinCosine = 0.5;
   constexpr std::size_t kBlock = 512;
   parallel_for((looked_ + kBlock - 1) / kBlock, threads_, [&](std::size_t block) {
     const std::size_t end = std::min(looked_, (block + 1) * kBlock);
@@ -129,7 +129,7 @@ void NeighbourRounds::find_nearest(const Eigen::Isometry3d& T, double bound, std
       nearest_[i] = found;
       const Eigen::Vector3d& n = target_.normals[static_cast<std::size_t>(found)];
       const double cosine = std::abs((T.linear() * source_.normals[i]).dot(n));
-      if (cosine > kLeastCosine) partners_[i] = found;
+      if (cosine > kMinCosine) partners_[i] = found;
     }
   });
 }

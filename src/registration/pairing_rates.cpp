@@ -14,7 +14,7 @@
 namespace palpate::registration {
 namespace {
 
-constexpr int kMostCells = 48;  // an axis
+constexpr int kMaxCells = 48;  // an axis
 constexpr double kBall3 = 4 * std::numbers::pi / 3;
 constexpr double kBall5 = 8 * std::numbers::pi * std::numbers::pi / 15;
 
@@ -119,7 +119,7 @@ PairingRates::PairingRates(const PairColumns& columns, double chord_bound, doubl
   }
   const double fine = radius * std::cbrt(kBall3);
   const double side =
-      std::max(fine, static_cast<double>((high - low_).maxCoeff()) / (kMostCells - 1));
+      std::max(fine, static_cast<double>((high - low_).maxCoeff()) / (kMaxCells - 1));
   side_ = static_cast<float>(side);
   per_side_ = 1 / side_;
   coarseness_ = std::pow(side / fine, 3);

@@ -204,8 +204,8 @@ std::vector<int> explained(const RegistrationResult& result, double noise_bound)
   return near;
 }
 
-/// Residuals are taken to be normal with one variance, which the inliers tell. Wrong pairs near the
-/// bound, uniform in its ball, leave and join the inliers as the pose moves, which on average
+/// Residuals are taken to be normal with one variance, which the inliers estimate. Wrong pairs near
+/// the bound, uniform in its ball, leave and join the inliers as the pose moves, which on average
 /// undoes their pull: of the information only the right ones' share counts.
 Matrix6d covariance_of(const PoseEstimate& estimate, const RegistrationResult& result,
                        Primitive primitive, const AllowedTurns& turns) {
@@ -215,9 +215,9 @@ Matrix6d covariance_of(const PoseEstimate& estimate, const RegistrationResult& r
   const double freedom = residuals - static_cast<double>(twists.cols());
   // That of Student's distribution: with few residuals their variance is itself uncertain.
   if (!(freedom > 2)) return Matrix6d::Constant(std::numeric_limits<double>::infinity());
-  constexpr double kLeastShare = 0.25;
+  constexpr double kMinShare = 0.25;
   const double right = 1 - result.false_inliers / static_cast<double>(result.inliers.size());
-  const double share = std::max(kLeastShare, right);
+  const double share = std::max(kMinShare, right);
   const Eigen::MatrixXd information = twists.transpose() * estimate.centred_information * twists;
   Matrix6d to_origin = Matrix6d::Identity();
   to_origin.bottomLeftCorner<3, 3>() = skew(estimate.center);

@@ -24,15 +24,15 @@ struct Vote {
   double log_ratio, target_length;
 };
 
-/// Of random pairs of pairs. Lengths below a few noise bounds tell nothing.
+/// Of random pairs of pairs. Lengths below a few noise bounds have no information.
 std::vector<Vote> votes_of(const Correspondences& c, double noise_bound, RandomStream random) {
   constexpr int kVotes = 200000;
-  constexpr double kLeastLength = 5;
+  constexpr double kMinLength = 5;
   std::vector<Vote> votes;
   for (int k = 0; k < kVotes; ++k) {
     const std::size_t i = random.index(c.size()), j = random.index(c.size());
     const double s = (c.source[i] - c.source[j]).norm(), t = (c.target[i] - c.target[j]).norm();
-    if (s > 0 && !(t < kLeastLength * noise_bound)) votes.push_back({std::log(t / s), t});
+    if (s > 0 && !(t < kMinLength * noise_bound)) votes.push_back({std::log(t / s), t});
   }
   return votes;
 }

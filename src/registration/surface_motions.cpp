@@ -86,7 +86,7 @@ std::vector<FreeMotion> free_motions_of(const NormalPairs& pairs, const AllowedT
 }
 
 /// Of the information, by one estimate of the normals.
-double least_share(const geometry::PointCloud& cloud) {
+double min_share(const geometry::PointCloud& cloud) {
   NormalPairs pairs;
   const std::size_t step = std::max<std::size_t>(1, cloud.size() / kLooked);
   for (std::size_t i = 0; i < cloud.size(); i += step) {
@@ -127,7 +127,7 @@ std::vector<FreeMotion> free_surface_motions(const geometry::PointCloud& cloud,
                                              const AllowedTurns& turns) {
   // Noise adds to the shares that one estimate gives: what is large with it needs no second look.
   constexpr double kClear = 0.1;
-  if (cloud.has_normals() && least_share(cloud) > kClear) return {};
+  if (cloud.has_normals() && min_share(cloud) > kClear) return {};
   return free_motions_of(normals_of_halves(cloud), turns);
 }
 

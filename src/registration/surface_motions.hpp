@@ -17,7 +17,7 @@ namespace palpate::registration {
 /// Two estimates of the normal at a point, of independent noise, give two estimates r, s of how far
 /// a unit twist x moves it along the normal. The mean of (r . x) (s . x) is free of the noise,
 /// which the mean square of either is not, and where a motion is free it is as often negative as
-/// not: the negative products tell its standard error.
+/// not: the negative products estimate its standard error.
 /// @param turns  motions by others are not allowed, and not free
 /// @param cloud  evenly sampled; its own normals are not used. The estimates are plane fits to each
 ///        half of the points

@@ -9,7 +9,7 @@
 namespace palpate::registration {
 namespace {
 
-constexpr std::size_t kMostSearched = 4000;
+constexpr std::size_t kMaxSearched = 4000;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -80,8 +80,8 @@ Correspondences search_sample(const Correspondences& correspondences, double noi
   }
   drop_far(correspondences.source, noise_bound, indices);
   drop_far(correspondences.target, noise_bound, indices);
-  if (indices.size() > kMostSearched) {
-    choose(weights, kMostSearched, random.fork("search sample"), indices);
+  if (indices.size() > kMaxSearched) {
+    choose(weights, kMaxSearched, random.fork("search sample"), indices);
   }
   if (indices.size() == correspondences.size()) return correspondences;
   return subset(correspondences, indices);

@@ -51,7 +51,7 @@ struct KnownChannel {
   std::string topic, type, encoding;
 };
 
-/// What the records of the data section tell, wherever they stand.
+/// What the records of the data section state, wherever they stand.
 class Contents {
  public:
   explicit Contents(const std::function<void(const McapMessage&)>& on_message)

@@ -37,7 +37,7 @@ std::optional<recording::Event> event_of(std::string_view text, double time) {
 
 using EventTexts = std::vector<std::pair<std::uint64_t, std::string>>;  // texts by time, ns
 
-/// What is no text tells nothing.
+/// What is no text is ignored.
 void take_event(const McapMessage& message, EventTexts& events) {
   try {
     events.emplace_back(message.log_time, deserialize<String>(message.data).data);

@@ -121,7 +121,7 @@ bool ReadingStream::is_fresh(std::uint64_t then, std::uint64_t now) const {
   return then != 0 && std::abs(age) <= 1e9 * options_.max_age;
 }
 
-/// Of the hand's joints alone: what others of the robot tell is nobody's business here.
+/// Of the hand's joints alone: what others of the robot report is nobody's business here.
 TimeOrder ReadingStream::update_joints(const JointState& state, std::uint64_t time) {
   auto order = TimeOrder::late;
   for (std::size_t i = 0; i < state.name.size(); ++i) {
@@ -304,7 +304,7 @@ std::optional<hand::HandReading> ReadingStream::reading_at(std::uint64_t time) {
     reading.joints[static_cast<Eigen::Index>(i)] = joints_[i].angle;
   }
   if (!complete) {
-    ++counts_.blind;
+    ++counts_.incomplete;
     return std::nullopt;
   }
   if (!start_) start_ = time;

@@ -32,9 +32,9 @@ class SpeedProfile {
   double ramp_way_ = 0;  // way / acceleration, s^2
 };
 
-/// Lets through what the hand may be told: targets within the actuators' ranges and the workspace
-/// that are no farther from those before than speed and acceleration allow. To stop or to slow down
-/// is always allowed at once.
+/// Lets through what the hand may be commanded: targets within the actuators' ranges and the
+/// workspace that are no farther from those before than speed and acceleration allow. To stop or to
+/// slow down is always allowed at once.
 class CommandGate {
  public:
   CommandGate(const std::vector<hand::Actuator>& actuators, const hand::HandCommand& start,

@@ -131,7 +131,7 @@ hand::HandReading Executor::step() {
   return reading;
 }
 
-void Executor::mark(estimation::TouchEvent event) {
+void Executor::add_event(estimation::TouchEvent event) {
   log_.moments.push_back({event, log_.readings.size() - 1});
   if (observer_.on_event) observer_.on_event(event);
 }

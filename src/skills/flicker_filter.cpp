@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kNear = 0.008;       // m between a contact's points in two readings
 constexpr double kForgotten = 0.003;  // of the flashes, each reading: counted over about 3 s
-constexpr double kMostFlashes = 10;   // where a good sensor's touches begin and end
+constexpr double kMaxFlashes = 10;    // where a good sensor's touches begin and end
 
 using Points = std::vector<Eigen::Vector3d>;
 
@@ -26,7 +26,7 @@ void FlickerFilter::filter(int finger, std::vector<hand::TipContact>& contacts) 
   const Points &last = state.before[0], &earlier = state.before[1];
   state.flashes *= 1 - kForgotten;
   for (const auto& p : last) state.flashes += !has_near(now, p) && !has_near(earlier, p);
-  state.noisy = state.noisy || state.flashes > kMostFlashes;
+  state.noisy = state.noisy || state.flashes > kMaxFlashes;
   if (state.noisy) {
     std::erase_if(contacts, [&](const hand::TipContact& contact) {
       return !std::all_of(state.before.begin(), state.before.end(),

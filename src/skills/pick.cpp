@@ -171,7 +171,7 @@ class Picking {
     } else if (estimation::mean_load(robot_.log()) > kLeft * weight() ||
                !robot_.suspects().empty()) {
       release();       // nothing is left hanging
-      only_doubted();  // a numb finger is named
+      only_doubted();  // an insensitive finger is named
     }
     result_.objects = estimator_.probabilities();
   }
@@ -207,11 +207,12 @@ class Picking {
     return robot_.suspects().empty() && robot_.survived().size() == before;
   }
 
-  /// Touches, holds and lifts the object, from other sides too while that tells more of its pose.
+  /// Touches, holds and lifts the object, from other sides too while that is informative about its
+  /// pose.
   bool attempt() {
     if (!sequence_.run(HeightProbePhase(options_.height_probe, tallest(estimator_.candidates()))))
       return false;
-    if (result_.fallen) robot_.mark(estimation::TouchEvent::fallen);
+    if (result_.fallen) robot_.add_event(estimation::TouchEvent::fallen);
     explore();
     GraspChooser choose = choose_;
     while (true) {
@@ -290,7 +291,7 @@ class Picking {
     bool ok = false;
     if (log.at(estimation::TouchEvent::held)) {
       PlaceGoal goal;
-      goal.seat = log.readings[*log.at(estimation::TouchEvent::closed)].base;
+      goal.base = log.readings[*log.at(estimation::TouchEvent::closed)].base;
       ok = sequence_.run(PlacePhase(lower, goal, 0, "put-down"));
     } else {
       ok = sequence_.run(OpenPhase(lower));

@@ -45,10 +45,10 @@ std::vector<int> UnsensedForce::limit(hand::HandCommand& command, const hand::Ha
 bool UnsensedForce::limit(int actuator, hand::HandCommand& command, const hand::HandCommand& last,
                           const hand::HandReading& reading) const {
   const double torque = reading.torques[actuator];
-  const double most_torque = max_torques_[actuator];
-  if (std::abs(torque) <= most_torque) return false;
+  const double max_torque = max_torques_[actuator];
+  if (std::abs(torque) <= max_torque) return false;
   const double stiffness = hand_.actuators[static_cast<std::size_t>(actuator)].stiffness;
-  const double back = (std::abs(torque) - most_torque) / stiffness;
+  const double back = (std::abs(torque) - max_torque) / stiffness;
   double& position = command.positions[actuator];
   const double most = last.positions[actuator] - std::copysign(back, torque);
   position = torque > 0 ? std::min(position, most) : std::max(position, most);

@@ -210,18 +210,18 @@ class Stream(LiveTest):
         self.assertTrue(ros2_peer.wait_until(peer.is_heard), "nobody listens")
         self.wait_for_page(url)
         viewer = Viewer(url)
-        now, told = 1_700_000_000_000_000_000, []
+        now, beliefs = 1_700_000_000_000_000_000, []
         for _ in range(20000):
             stream.send(peer, now)
             now += 10_000_000
             ros2_wait(0.01)
-            told = viewer.of("belief")
-            if told and viewer.of("frames") and len(viewer.of("status")) > 1:
+            beliefs = viewer.of("belief")
+            if beliefs and viewer.of("frames") and len(viewer.of("status")) > 1:
                 break
-        self.assertTrue(told)
-        self.assertEqual(told[0]["source"], "online")
-        self.assertTrue(told[0]["in_hand"])
-        self.assertLessEqual(sum(pose["probability"] for pose in told[0]["poses"]), 1.001)
+        self.assertTrue(beliefs)
+        self.assertEqual(beliefs[0]["source"], "online")
+        self.assertTrue(beliefs[0]["in_hand"])
+        self.assertLessEqual(sum(pose["probability"] for pose in beliefs[0]["poses"]), 1.001)
         self.assertIn("readings, 0 lost", viewer.of("status")[-1])
         for program in (view, estimator):
             program.send_signal(signal.SIGINT)

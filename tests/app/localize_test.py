@@ -244,16 +244,16 @@ class Localize(CliTest):
         self.assertGreater(table["probability"], alone["probability"] + 0.1)
         self.write("free.csv", "x,y,z,radius\n5,5,5,0.01\n")
         self.write("before.json", json.dumps(self.localize(contacts_on_box(18))))
-        told = self.localize(rows, "--free", "free.csv", "--prior", "before.json")
-        self.assertGreater(told["probability"], alone["probability"] + 0.1)
+        informed = self.localize(rows, "--free", "free.csv", "--prior", "before.json")
+        self.assertGreater(informed["probability"], alone["probability"] + 0.1)
 
     def test_a_plane_settles_the_height(self):
         """Contacts on two sides alone leave heights open, which the plane below settles."""
         rows = contacts_on_box(8, faces=(0, 1, 2, 3))
         alone = self.localize(rows, "--method", "full")
         self.write("planes.csv", csv([[0, 0, 1, SHIFT[2]]], "nx,ny,nz,height"))
-        told = self.localize(rows, "--method", "full", "--planes", "planes.csv")
-        self.assertGreater(told["probability"], alone["probability"] + 0.1)
+        informed = self.localize(rows, "--method", "full", "--planes", "planes.csv")
+        self.assertGreater(informed["probability"], alone["probability"] + 0.1)
 
     def test_free_voxels_rule_out_what_would_stand_in_them(self):
         """Where the air was free in the middle of the box, the box is not believed to be."""

@@ -52,7 +52,7 @@ class RelocateTest(cli.CliTest):
              "valid_test"}, compared.keys())  # fmt: skip
         self.assertTrue((self.folder / "c" / "normal-plot.svg").exists())
 
-    def test_a_policy_may_be_told_what_touch_knows(self):
+    def test_a_policy_may_be_given_what_touch_estimates(self):
         few = ["--episodes", "1", "--set", "episode.horizon=40", "--set", "touch.explore=false"]
         report = self.run_json("rollout", "relocate-robust", "--touch", *few)
         self.assertEqual(
@@ -63,8 +63,8 @@ class RelocateTest(cli.CliTest):
         self.assertGreater(report["touch"]["estimates"], 0)
         self.assertGreater(report["touch"]["resting_error_mm"], 0)
         self.assertEqual(report["touch"]["explored"], 0)
-        told_the_truth = self.run_json("rollout", "relocate-robust", *few)
-        self.assertNotIn("touch", told_the_truth)
+        given_the_truth = self.run_json("rollout", "relocate-robust", *few)
+        self.assertNotIn("touch", given_the_truth)
 
     def test_an_episode_by_touch_is_recorded_seen_and_estimated_again(self):
         few = ["--episodes", "1", "--set", "episode.horizon=60", "--set", "touch.explore=false"]
@@ -209,7 +209,7 @@ class RelocateTest(cli.CliTest):
         self.assertEqual(done.returncode, cli.DONE, done.stderr)
         self.assertTrue((self.folder / "page" / "replay.html").exists())
 
-    def test_a_damaged_checkpoint_is_told(self):
+    def test_a_damaged_checkpoint_is_reported(self):
         self.assertEqual(self.train("a", 1).returncode, cli.DONE)
         checkpoint = self.folder / "a" / "checkpoint"
         checkpoint.write_bytes(checkpoint.read_bytes()[:-9])

@@ -334,7 +334,7 @@ class Peer:
         self.writers[name] = DataWriter(self.participant, self.topic(name, kind), qos=self.qos)
 
     def listen(self, name, kind, latched=False):
-        """latched: what was told before comes, too."""
+        """latched: what was sent before comes, too."""
         qos = LATCHED if latched else self.qos
         topic = Topic(self.participant, "rt" + name, kind, qos=qos)
         self.readers[name] = DataReader(self.participant, topic, qos=qos)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a hand tells while it holds something: messages of an exported pick, of any later time."""
+"""What a hand publishes while it holds something: messages of an exported pick, of any later time."""
 
 import copy
 import struct
@@ -16,7 +16,7 @@ KINDS = {
     "/tf": ros2_peer.TFMessage,
 }
 LAST = 2_000_000_000  # ns, of the file that are read
-HELD = 40  # the last so many messages of each topic are told again and again
+HELD = 40  # the last so many messages of each topic are sent again and again
 
 
 class HeldStream:
@@ -44,7 +44,7 @@ class HeldStream:
         self.sent = 0
 
     def report_as_taxels(self, path):
-        """Tells contacts as raw values of taxels from now on, one where each contact was; writes
+        """Publishes contacts as raw values of taxels from now on, one where each contact was; writes
         their layout."""
         rows = ["finger,x,y,z,nx,ny,nz,gain,zero"]
         for topic in [name for name in self.messages if name.startswith("/contacts/")]:
@@ -65,9 +65,9 @@ class HeldStream:
         path.write_text("\n".join(rows) + "\n")
 
     def report_as_wrenches(self):
-        """Tells contacts as the wrench on each fingertip from now on, at the origin of its link."""
+        """Publishes contacts as the wrench on each fingertip from now on, at the origin of its link."""
         for topic in [name for name in self.messages if name.startswith("/contacts/")]:
-            clouds, told = self.messages.pop(topic), []
+            clouds, wrenches = self.messages.pop(topic), []
             for cloud in clouds:
                 force, torque = [0.0] * 3, [0.0] * 3
                 for i in range(cloud.width):
@@ -77,8 +77,8 @@ class HeldStream:
                     force = [a + b for a, b in zip(force, f)]
                     torque = [a + b for a, b in zip(torque, moment)]
                 wrench = ros2_peer.Wrench(ros2_peer.Vector3(*force), ros2_peer.Vector3(*torque))
-                told.append(ros2_peer.WrenchStamped(cloud.header, wrench))
-            self.messages["/fingertip_wrenches/" + topic.rpartition("/")[2]] = told
+                wrenches.append(ros2_peer.WrenchStamped(cloud.header, wrench))
+            self.messages["/fingertip_wrenches/" + topic.rpartition("/")[2]] = wrenches
 
     def advertise(self, peer):
         for topic, messages in self.messages.items():

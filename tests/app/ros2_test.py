@@ -58,7 +58,7 @@ class Ros2(CliTest):
 class Estimator(Ros2):
     @classmethod
     def setUpClass(cls):
-        """One pick, the end of which all tests tell again."""
+        """One pick, the end of which all tests send again."""
         cls.kept = CliTest("run_program")
         cls.kept.setUp()
         cls.addClassCleanup(cls.kept.doCleanups)
@@ -129,13 +129,13 @@ class Estimator(Ros2):
         program = self.begin()
         sent, poses, _ = self.send_until_estimated(START)
         report = self.end(program)
-        told = sum(topic.startswith("/fingertip_wrenches/") for topic in self.stream.messages)
-        self.assertGreaterEqual(told, 2)
-        self.assertEqual(report["received"]["contacts"], told * sent)
+        wrenches = sum(topic.startswith("/fingertip_wrenches/") for topic in self.stream.messages)
+        self.assertGreaterEqual(wrenches, 2)
+        self.assertEqual(report["received"]["contacts"], wrenches * sent)
         self.assertEqual(report["received"]["malformed"], 0)
         self.assertLess(math.dist(position(poses[-1].pose.pose), self.stream.estimated), 0.1)
 
-    def test_all_that_it_tells(self):
+    def test_all_that_it_publishes(self):
         kinds = {"/palpate/mode_weights": ros2_peer.Float64MultiArray, "/palpate/status": ros2_peer.String,
                  "/palpate/markers": ros2_peer.MarkerArray, "/tf": ros2_peer.TFMessage,
                  "/diagnostics": ros2_peer.DiagnosticArray}  # fmt: skip
@@ -144,27 +144,27 @@ class Estimator(Ros2):
             self.peer.listen(topic, kind)
         self.peer.listen("/palpate/object", ros2_peer.MarkerArray, latched=True)
         self.assertTrue(wait_until(self.peer.hears))
-        told = {topic: [] for topic in [*self.peer.readers]}
+        received = {topic: [] for topic in [*self.peer.readers]}
         for i in range(20000):
             self.stream.send(self.peer, START + i * TICK)
             wait_until(lambda: False, 0.01)
-            for topic, messages in told.items():
+            for topic, messages in received.items():
                 messages += self.peer.take(topic)
-            warned = [s for d in told["/diagnostics"] for s in d.status if s.message != "no readings"]
-            if told["/palpate/markers"] and warned and told["/palpate/status"]:
+            warned = [s for d in received["/diagnostics"] for s in d.status if s.message != "no readings"]
+            if received["/palpate/markers"] and warned and received["/palpate/status"]:
                 break
         self.end(program)
-        pose, modes = told["/palpate/estimate"][-1], told["/palpate/modes"][-1]
-        self.assertEqual(len(told["/palpate/mode_weights"][-1].data), len(modes.poses))
-        self.assertLessEqual(sum(told["/palpate/mode_weights"][-1].data), 1.001)
-        self.assertIn(told["/palpate/status"][-1].data, ("certain", "ambiguous", "no_pose"))
+        pose, modes = received["/palpate/estimate"][-1], received["/palpate/modes"][-1]
+        self.assertEqual(len(received["/palpate/mode_weights"][-1].data), len(modes.poses))
+        self.assertLessEqual(sum(received["/palpate/mode_weights"][-1].data), 1.001)
+        self.assertIn(received["/palpate/status"][-1].data, ("certain", "ambiguous", "no_pose"))
         self.assertGreater(pose.pose.covariance[0], 0)
-        kinds = {marker.ns for marker in told["/palpate/markers"][-1].markers}
+        kinds = {marker.ns for marker in received["/palpate/markers"][-1].markers}
         self.assertGreaterEqual(len(kinds), 2, kinds)
-        mesh = told["/palpate/object"][0].markers[0]  # for who came after it was told
+        mesh = received["/palpate/object"][0].markers[0]  # for who came after it was sent
         self.assertEqual((mesh.type, len(mesh.points) % 3), (11, 0))
         self.assertGreater(len(mesh.points), 30)
-        frames = [t for message in told["/tf"] for t in message.transforms if t.child_frame_id == "palpate_object"]
+        frames = [t for message in received["/tf"] for t in message.transforms if t.child_frame_id == "palpate_object"]
         self.assertEqual(frames[-1].header.frame_id, "world")
         values = {value.key: int(value.value) for value in warned[-1].values}
         self.assertGreater(values["readings"], 10)

@@ -54,14 +54,14 @@ class RustDds(CliTest):
         estimator.send_signal(signal.SIGINT)
         stdout, stderr = estimator.communicate(timeout=60)
         self.assertEqual(estimator.returncode, DONE, stderr)
-        told, received = json.loads(done.stdout), json.loads(stdout)["received"]
-        self.assertGreaterEqual(told["poses"], POSES, (told, received))
-        self.assertEqual(told["of_what_was_sent"], told["poses"])
-        self.assertTrue(told["acknowledged"])
-        self.assertEqual(told["frame"], "world")
-        self.assertIn(told["status"], ("certain", "ambiguous"))
-        self.assertGreater(told["variance"], 0)
-        self.assertLess(math.dist(told["position"], stream.estimated), 0.1)
+        heard, received = json.loads(done.stdout), json.loads(stdout)["received"]
+        self.assertGreaterEqual(heard["poses"], POSES, (heard, received))
+        self.assertEqual(heard["of_what_was_sent"], heard["poses"])
+        self.assertTrue(heard["acknowledged"])
+        self.assertEqual(heard["frame"], "world")
+        self.assertIn(heard["status"], ("certain", "ambiguous"))
+        self.assertGreater(heard["variance"], 0)
+        self.assertLess(math.dist(heard["position"], stream.estimated), 0.1)
         # What was sent before the two had found one another is not for it.
         self.assertGreater(received["joint_states"], POSES)
         self.assertEqual((received["malformed"], received["out_of_order"]), (0, 0))

@@ -150,7 +150,7 @@ class Render(RecordingTest):
             "render", "--object", "box", "--seed", "3", "--size", "64x48", "--out", "pictures",
             "--set", "touch.source=biotac", "--set", "attempts=1", *QUICK)  # fmt: skip
         self.assertGreaterEqual(len(report["files"]), 3)
-        # The contacts tell of their errors, which the recording then must say.
+        # The contacts report their errors, which the recording then must state.
         recording = (self.folder / "pictures/recording.h5").read_bytes()
         self.assertEqual(recording[:20], b"PALPATE RECORDING 4\n")
         self.assertIn(b'"sensor_reported_errors":true', recording)

@@ -18,7 +18,7 @@ namespace {
 
 using Effect = HandCommands::Effect;
 
-/// Does at once what it is told, and remembers it.
+/// Does at once what it is commanded, and remembers it.
 class ObedientHand : public hand::Hand {
  public:
   explicit ObedientHand(const hand::Description& hand) : reading_(hand::resting_reading(hand)) {}
@@ -119,7 +119,7 @@ TEST_F(HandPeer, PositionsAreSentAgainUntilAnAnswerIsWhole) {
   });
   RemoteHand remote(here_, hand_, {}, {}, {.patience = 0.01, .connect = 60, .positions = true});
   EXPECT_NO_THROW(remote.step(command(1)));
-  EXPECT_GE(remote.counts().blind, 1U);
+  EXPECT_GE(remote.counts().incomplete, 1U);
 }
 
 TEST_F(HandPeer, WhoDiesIsSilentAndIsTakenUpAgain) {

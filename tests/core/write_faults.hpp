@@ -132,7 +132,7 @@ int mkdir(const char* path, mode_t mode) noexcept {
   return palpate::faults::real<int(const char*, mode_t)>("mkdir")(path, mode);
 }
 
-/// Closes, and then tells of the fault, as close(2) does.
+/// Closes, and then reports the fault, as close(2) does.
 int close(int file) {
   const bool strike = palpate::faults::state().armed && palpate::faults::strikes(file);
   const int error = errno;

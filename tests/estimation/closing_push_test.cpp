@@ -51,7 +51,7 @@ TEST(ClosingPush, IsNoneAlongTheSurfaceNorAwayFromIt) {
   EXPECT_EQ(push(pushing(20, {1, 0, 0})), 0);
 }
 
-TEST(ClosingPush, BeginsAnewWhereTheFingerHadLetGo) {
+TEST(ClosingPush, StartsAgainWhereTheFingerHadLetGo) {
   EventLog log = pushing(0, {-1, 0, 0});
   for (std::size_t i = 25; i < 40; ++i) log.readings[i].contacts[1].clear();
   EXPECT_NEAR(push(log), (19 - kLate) * kStep, 1e-9);

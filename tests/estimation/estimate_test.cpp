@@ -68,7 +68,7 @@ HeldPoseEstimate held_pose(const EventLog& log, const EstimationOptions& options
   return PoseEstimator(scene().object, options, seed).held(scene().model, log, log.at(instant));
 }
 
-TEST(EstimateHeldPose, TheLogTellsAllThatTheEstimateDependsOn) {
+TEST(EstimateHeldPose, TheLogHoldsAllThatTheEstimateDependsOn) {
   ASSERT_TRUE(scene().picked.held);
   const auto again = held_pose(scene().log, scene().locate_options, PickedBox::kSeed);
   const auto& modes = scene().picked.estimate.posterior.modes;
@@ -103,7 +103,7 @@ TEST(EstimateHeldPose, WhatMayRestTiltedIsKnownLessUpright) {
   EXPECT_GT(tilt(0.12), 2 * tilt(0.02));
 }
 
-TEST(EstimateHeldPose, WhatMayHaveFallenRestsAsTheLogTells) {
+TEST(EstimateHeldPose, WhatMayHaveFallenRestsAsTheLogStates) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
   EventLog log = s.log;
@@ -171,7 +171,7 @@ TEST(EstimateHeldPose, HasAPoseAtAnyInstant) {
   EXPECT_NEAR(height(between), height(held), 0.004);
 }
 
-TEST(PoseEstimator, SearchesForTheRestingPoseAgainOnlyWhereTheLogTellsMoreOfIt) {
+TEST(PoseEstimator, SearchesForTheRestingPoseAgainOnlyWhereTheLogHoldsMoreOfIt) {
   const auto& s = scene();
   ASSERT_TRUE(s.picked.held);
   PoseEstimator estimator(s.object, s.locate_options, PickedBox::kSeed);
@@ -211,7 +211,7 @@ TEST(EstimateHeldPose, BalancedForcesChangeTheEstimateALittle) {
             closed.posterior.modes[0].T_frame_object.matrix());
 }
 
-TEST(Candidates, AreToldApartByTheTouchesAndInTheHand) {
+TEST(Candidates, AreDistinguishedByTheTouchesAndInTheHand) {
   ASSERT_TRUE(scene().picked.held);
   const geometry::ObjectModel mug(geometry::load_known_object("mug"));
   const PickedBox& s = scene();

@@ -35,7 +35,7 @@ TEST(EventLog, WhatHungBeforeTheHandLetGoHangsNoMore) {
   EXPECT_TRUE(log_of({{TouchEvent::held, 2}, {TouchEvent::probed, 4}}).hangs_at(6));
 }
 
-TEST(EventLog, TheLatestMomentOfAKindIsSinceTheHandLetGo) {
+TEST(EventLog, TheLatestMomentOfAKindIsSinceTheRelease) {
   const EventLog log =
       log_of({{TouchEvent::closed, 1}, {TouchEvent::released, 2}, {TouchEvent::closed, 5}});
   EXPECT_EQ(log.at(TouchEvent::closed), 5u);

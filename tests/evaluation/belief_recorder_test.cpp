@@ -15,7 +15,7 @@ constexpr std::uint64_t kSeed = 9;
 
 struct BelievedPick {
   std::vector<recording::BeliefRecord> beliefs;
-  std::vector<double> told;  // times of which the observer was told
+  std::vector<double> observed;  // times at which the observer was called
   Trial trial;
 };
 
@@ -26,7 +26,7 @@ BelievedPick believed_pick() {
   const simulation::World world(box.object(), options.world, kSeed);
   BelievedPick pick;
   BeliefRecorder recorder(box, world.hand_model(), {options.pick_options(), {}}, kSeed,
-                          [&](const auto& belief) { pick.told.push_back(belief.time); });
+                          [&](const auto& belief) { pick.observed.push_back(belief.time); });
   pick.trial = run_trial(box, options, kSeed, &recorder);
   pick.beliefs = recorder.finish();
   return pick;
@@ -60,8 +60,8 @@ TEST(BeliefRecorder, GoesFromThePriorThroughTouchesToTheHand) {
     EXPECT_FALSE(belief.poses.empty()) << "at " << belief.time;
     before = belief.time;
   }
-  ASSERT_EQ(pick.told.size(), pick.beliefs.size());
-  EXPECT_EQ(pick.told.back(), pick.beliefs.back().time);
+  ASSERT_EQ(pick.observed.size(), pick.beliefs.size());
+  EXPECT_EQ(pick.observed.back(), pick.beliefs.back().time);
 }
 
 TEST(BeliefRecorder, WhatHangsInTheHandStaysKnown) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nothing that the hand is told depends on the simulator's truth: with a false one it is told the
-// same, to the last bit.
+// Nothing that the hand is commanded depends on the simulator's truth: with a false one it is given
+// the same, to the last bit.
 #include <gtest/gtest.h>
 
 #include <vector>

@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{InjectedFault::contacts_none, Fault::touch_lost, 60}),
     [](const auto& tested) { return std::string(hand::to_string(tested.param.injected)); });
 
-TEST(Faults, ANumbFingertipIsNotBelievedAndTheObjectIsPicked) {
+TEST(Faults, AnInsensitiveFingertipIsNotBelievedAndTheObjectIsPicked) {
   int lifted = 0;
   for (std::uint64_t i = 0; i < 3; ++i) {
     const Trial trial = run_trial(box(), options_with(InjectedFault::finger_silent, 0), kSeed + i);
@@ -78,8 +78,8 @@ TEST(Faults, ANumbFingertipIsNotBelievedAndTheObjectIsPicked) {
   EXPECT_GE(lifted, 2);
 }
 
-/// Something holds it up, and a press on the table shows that it is numb.
-TEST(Faults, ANumbThumbCrushesNothingAndIsNamed) {
+/// Something holds it up, and a press on the table shows that it is insensitive.
+TEST(Faults, AnInsensitiveThumbCrushesNothingAndIsNamed) {
   TrialOptions options = options_with(InjectedFault::finger_silent, 80);
   options.fault.finger = 0;
   const Trial trial = run_trial(box(), options, 945);

@@ -6,16 +6,16 @@
 
 namespace palpate::evaluation {
 
-/// A hand whose fingers open, whatever they are told, while `lets_go`.
+/// A hand whose fingers open, whatever they are commanded, while `lets_go`.
 class SlipperyHand : public hand::Hand {
  public:
   /// @param open  where they then go, rad
   SlipperyHand(hand::Hand& hand, const hand::ActuatorVector& open) : hand_(hand), open_(open) {}
 
   hand::HandReading step(const hand::HandCommand& command) override {
-    hand::HandCommand told = command;
-    if (lets_go) told.positions = open_;
-    return hand_.step(told);
+    hand::HandCommand commanded = command;
+    if (lets_go) commanded.positions = open_;
+    return hand_.step(commanded);
   }
 
   bool lets_go = false;

@@ -172,11 +172,12 @@ TEST(PlaceTrial, TheFingersTakeAPartOfTheTurn) {
   const auto trial = run_trial(box(), options, kSeed);
   ASSERT_TRUE(trial.place);
   EXPECT_EQ(trial.strategy.strategy, skills::PlaceStrategy::fingers);
-  ASSERT_TRUE(trial.strategy.turn);
-  EXPECT_EQ(trial.strategy.reason, trial.strategy.turn->why);
-  EXPECT_NEAR(trial.strategy.turn->asked.norm(), options.place.fingers.max, 1e-9);
-  EXPECT_GT(trial.strategy.turn->base_turn, trial.strategy.turn->asked.norm());
-  EXPECT_GT(trial.strategy.turn->result.rollouts, 0);
+  ASSERT_TRUE(trial.strategy.reorientation);
+  EXPECT_EQ(trial.strategy.reason, trial.strategy.reorientation->why);
+  EXPECT_NEAR(trial.strategy.reorientation->asked.norm(), options.place.fingers.max, 1e-9);
+  EXPECT_GT(trial.strategy.reorientation->base_rotation,
+            trial.strategy.reorientation->asked.norm());
+  EXPECT_GT(trial.strategy.reorientation->result.rollouts, 0);
   EXPECT_EQ(count(trial.place->phases, "turn"), 1u);
   EXPECT_EQ(trial.place->status, skills::PlaceStatus::placed) << trial.place->phases.back().outcome;
   EXPECT_FALSE(trial.place_metrics.dropped);
@@ -190,7 +191,7 @@ TEST(PlaceTrial, WhatTheBaseTurnsByLittleIsNoWorkForTheFingers) {
   const auto trial = run_trial(box(), options, kSeed);
   ASSERT_TRUE(trial.place);
   EXPECT_EQ(trial.strategy.strategy, skills::PlaceStrategy::wrist);
-  EXPECT_FALSE(trial.strategy.turn);
+  EXPECT_FALSE(trial.strategy.reorientation);
   EXPECT_NE(trial.strategy.reason.find("nothing for the fingers"), std::string::npos)
       << trial.strategy.reason;
   EXPECT_EQ(count(trial.place->phases, "turn"), 0u);

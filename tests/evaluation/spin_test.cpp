@@ -41,7 +41,7 @@ geometry::TriangleMesh roller() {
   return mesh;
 }
 
-/// Another attempt would tell no more of it.
+/// Another attempt would add no information on it.
 TEST(Trial, KeepsWhatItHoldsWhereOnlyTheSpinIsUnknown) {
   TrialOptions options;
   options.pick.estimation.search = quick_options().pick.estimation.search;

@@ -250,7 +250,7 @@ TEST(Trial, SameSeedGivesTheSameTrialRecordedOrNot) {
   expect_equal(pick.trial, run_trial(model("bunny"), pick.options, kSeed));
 }
 
-TEST(EventLog, KnowsTheMomentsSinceTheHandLetGo) {
+TEST(EventLog, HoldsTheMomentsSinceTheRelease) {
   estimation::EventLog log;
   log.readings.resize(6);
   log.moments = {{estimation::TouchEvent::closed, 0},

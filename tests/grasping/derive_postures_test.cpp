@@ -83,7 +83,7 @@ TEST(DerivePostures, AFoldedHandDoesNotPressOnItself) {
                   .is_clear(joints(hand.postures.folded)));
 }
 
-TEST(DerivePostures, AFingerMayBeToldNotToClose) {
+TEST(DerivePostures, AFingerMayBeExcludedFromClosing) {
   simulation::HandNotes notes;
   notes.closing = "index_1,index_2,thumb_1,thumb_2";
   hand::Description hand =

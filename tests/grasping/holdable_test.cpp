@@ -21,9 +21,9 @@ std::string refusal(const geometry::ObjectModel& object) {
 }
 
 TEST(LeastWidth, IsTheThinnestThatAFingerFindsFromTheSide) {
-  EXPECT_NEAR(least_width(geometry::load_known_object("box")), 0.050, 1e-4);
-  EXPECT_NEAR(least_width(geometry::load_known_object("bracket")), 0.020, 1e-4);
-  EXPECT_LT(least_width(geometry::load_known_object("mug")), 0.006) << "its wall";
+  EXPECT_NEAR(min_width(geometry::load_known_object("box")), 0.050, 1e-4);
+  EXPECT_NEAR(min_width(geometry::load_known_object("bracket")), 0.020, 1e-4);
+  EXPECT_LT(min_width(geometry::load_known_object("mug")), 0.006) << "its wall";
 }
 
 TEST(LeastWidth, IsNotTheThicknessOfAPlateThatOnlyLies) {
@@ -31,7 +31,7 @@ TEST(LeastWidth, IsNotTheThicknessOfAPlateThatOnlyLies) {
   std::erase_if(plate.stable_poses, [](const auto& stable_pose) {
     return std::abs(stable_pose.R_table_object(2, 2)) < 0.9;
   });
-  EXPECT_NEAR(least_width(plate), 0.15, 1e-4);
+  EXPECT_NEAR(min_width(plate), 0.15, 1e-4);
 }
 
 TEST(Opening, OfTheShadowHandIsSomeFifteenToTwentyCentimetres) {

@@ -15,7 +15,7 @@
 namespace palpate::hand {
 namespace {
 
-/// An arm that is at once where it is told to be.
+/// An arm that is at once where it is commanded to be.
 struct PromptArm : Arm {
   std::string name() const override { return "lift"; }
   void move(const BasePosition& to) override {

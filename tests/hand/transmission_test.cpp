@@ -43,7 +43,7 @@ TEST(Coupling, DistalNeverExceedsMiddleAndNeitherTurnsBack) {
   }
 }
 
-TEST(Coupling, MiddleAngleTellsThePair) {
+TEST(Coupling, MiddleAngleDeterminesThePair) {
   for (double j2 = 0; j2 < 1.55; j2 += 0.05) {
     EXPECT_NEAR(share_in_free_flexion(j0_for_middle(j2, kCoupling), kCoupling).j2, j2, 1e-12);
   }

@@ -83,7 +83,7 @@ TEST(HandFit, KeypointsAndDepthGiveThePlaceOfAHandOfUnknownSize) {
     EXPECT_LT(with_depth.pixel_rms, 2);
     // Half a pixel is 1 mm at 0.6 m; how far a finger points to the camera shows less well.
     EXPECT_LT(keypoint_error(with_depth.state, truth), 0.012);
-    // Keypoints alone cannot tell a large hand from a near one.
+    // Keypoints alone cannot distinguish a large hand from a near one.
     HandImage flat = image;
     flat.depth.resize(0, 0);
     EXPECT_LT(keypoint_error(with_depth.state, truth),

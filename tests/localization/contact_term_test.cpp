@@ -186,7 +186,8 @@ TEST(ContactTerm, StopsEarlyOnlyAboveTheBound) {
   }
 }
 
-/// Next to an edge the point's error turns the normal of the surface: a tilt tells less there.
+/// Next to an edge the point's error turns the normal of the surface: a tilt has less information
+/// there.
 TEST(ContactTerm, TakesNormalsForLessExactWhereTheSurfaceIsCurved) {
   const auto& model = model_of("box");
   const Eigen::Vector3d corner = model.bounds().max().cast<double>();

@@ -38,18 +38,18 @@ TEST(ParseContacts, NormalsAndOwnErrorsAreOptional) {
   ASSERT_EQ(bare.size(), 1U);
   EXPECT_FALSE(bare[0].has_normal());
   EXPECT_EQ(bare[0].group, -1);
-  const auto told = parse_contacts(
+  const auto parsed = parse_contacts(
       "x,y,z,nx,ny,nz,point_sigma,normal_sigma,group\n"
       "1,0,0,0,0.995,0,0.003,0.2,\n1,0,0,,,,,,4\n",
       "c", {0.002, 0.1});
-  ASSERT_EQ(told.size(), 2U);
-  EXPECT_TRUE(told[0].n.isApprox(Eigen::Vector3d::UnitY()));
-  EXPECT_EQ(told[0].point_sigma, 0.003);
-  EXPECT_EQ(told[0].normal_sigma, 0.2);
-  EXPECT_EQ(told[0].group, -1);
-  EXPECT_FALSE(told[1].has_normal());
-  EXPECT_EQ(told[1].point_sigma, 0.002);
-  EXPECT_EQ(told[1].group, 4);
+  ASSERT_EQ(parsed.size(), 2U);
+  EXPECT_TRUE(parsed[0].n.isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_EQ(parsed[0].point_sigma, 0.003);
+  EXPECT_EQ(parsed[0].normal_sigma, 0.2);
+  EXPECT_EQ(parsed[0].group, -1);
+  EXPECT_FALSE(parsed[1].has_normal());
+  EXPECT_EQ(parsed[1].point_sigma, 0.002);
+  EXPECT_EQ(parsed[1].group, 4);
 }
 
 TEST(ParseContacts, MayHoldNone) { EXPECT_TRUE(parse_contacts("x,y,z,nx,ny,nz\n\n", "c").empty()); }

@@ -76,7 +76,7 @@ TEST(GraspScene, FalseContactsAreAsCommonAsAsked) {
   EXPECT_LT(lies, 0.6 * count);
 }
 
-TEST(SceneEvidence, TellsWhatIsAskedFor) {
+TEST(SceneEvidence, ReturnsWhatIsAskedFor) {
   const GraspScene scene = scene_with("box", {}, 2);
   SceneEvidenceOptions options;
   options.contacts = 5;

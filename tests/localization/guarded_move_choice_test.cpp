@@ -31,7 +31,7 @@ TEST(MostInformativeMove, IsAcrossTheDirectionInWhichTheModesDiffer) {
   ASSERT_TRUE(best);
   EXPECT_EQ(best->guarded_move.from, kAlongX.from);
   EXPECT_EQ(best->index, 1u);
-  EXPECT_NEAR(best->information, 0.5, 1e-9);  // two equal modes that are surely told apart
+  EXPECT_NEAR(best->information, 0.5, 1e-9);  // two equal modes that are surely distinguished
 }
 
 TEST(MostInformativeMove, UnlikelyModesAreWorthLess) {
@@ -56,7 +56,7 @@ TEST(MostInformativeMove, OneModeLeavesNothingToTell) {
   EXPECT_FALSE(most_informative_move(box(), posterior, kBall, {}));
 }
 
-TEST(MostInformativeMove, BlockedByAnotherPartOfTheHandTellsNothing) {
+TEST(MostInformativeMove, BlockedByAnotherPartOfTheHandHasNoInformation) {
   localization::Posterior posterior;
   posterior.modes = {mode_at({0, 0, 0}, 0.5), mode_at({0.02, 0, 0}, 0.5)};
   ProbingFinger blocked = kBall;

@@ -25,7 +25,7 @@ TEST(Localize, SaysWhenTheContactsAreOfSomethingElse) {
 }
 
 /// The misfit that is allowed grows with the expected share of false contacts, not without end.
-TEST(Localize, TellsFalseContactsFromAnotherObject) {
+TEST(Localize, DistinguishesFalseContactsFromAnotherObject) {
   SceneOptions options;
   options.contacts = 20;
   for (const double share : {0.1, 0.2, 0.3}) {

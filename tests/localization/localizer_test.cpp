@@ -130,7 +130,7 @@ TEST(Localize, WeightsAreAsOftenRight) {
   EXPECT_NEAR(expected / kScenes, successes / kScenes, 0.2);
 }
 
-/// Success with `change` made to what the search is told.
+/// Success with `change` made to what the search is given.
 template <class Change>
 double success_when(const std::string& name, const Change& change) {
   const geometry::ObjectModel& model = model_of(name);

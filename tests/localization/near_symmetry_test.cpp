@@ -59,7 +59,7 @@ TEST(NearSymmetry, TurnsThatDifferByLessThanTheToleranceAreOnePose) {
   EXPECT_EQ(block().symmetries.size(), 4U);
 }
 
-/// As if the turns were told apart: then a side must not be stated.
+/// As if the turns were distinguished: then a side must not be stated.
 TEST(NearSymmetry, AStepBelowTheErrorOfTheSurfaceDecidesNothing) {
   geometry::KnownObject object = block();
   object.symmetries = {Eigen::Matrix3d::Identity()};

@@ -71,7 +71,7 @@ TEST(InformationBound, OfWeightedPosesIsAtMostTheirEntropy) {
 }
 
 TEST(InformationBound, AddsUpWhatSeveralFingersSense) {
-  const double step = 0.004;  // twice the error of a touch: not told apart for sure
+  const double step = 0.004;  // twice the error of a touch: not distinguished for sure
   const std::vector<PredictedTouches> one{{hit_at(0)}, {hit_at(step)}};
   const std::vector<PredictedTouches> two{{hit_at(0), hit_at(0)}, {hit_at(step), hit_at(step)}};
   const std::vector<PredictedTouches> alike{{hit_at(0), hit_at(0)}, {hit_at(0), hit_at(step)}};
@@ -105,7 +105,7 @@ Posterior two_boxes() {
   return posterior;
 }
 
-TEST(ChooseProbe, TakesTheOneThatTellsTheModesApart) {
+TEST(ChooseProbe, TakesTheOneThatDistinguishesTheModes) {
   // Along x both boxes are alike in the middle; 6 cm to the side only one is hit.
   const std::vector<TouchAction> probes{along_x(0.0, 0), along_x(0.015, 0.02), along_x(0.06, 0)};
   const auto choice = choose_touch(model_of("box"), two_boxes(), probes, RandomStream(1));

@@ -25,7 +25,7 @@ std::vector<Eigen::Matrix3d> turns_about(const Eigen::Vector3d& axis, bool flips
   return group;
 }
 
-double least_distance(const std::vector<Eigen::Matrix3d>& set, const Eigen::Matrix3d& R) {
+double min_distance(const std::vector<Eigen::Matrix3d>& set, const Eigen::Matrix3d& R) {
   double least = M_PI;
   for (const auto& S : set) least = std::min(least, rotation_distance(S, R));
   return least;
@@ -40,7 +40,7 @@ TEST(SymmetryGroup, FindsTheNearestOfAList) {
   for (int i = 0; i < 100; ++i) {
     const Eigen::Matrix3d R = random.rotation();
     const Eigen::Matrix3d nearest(group.nearest(Eigen::Quaterniond(R)));
-    EXPECT_NEAR(rotation_distance(nearest, R), least_distance(listed, R), 1e-9);
+    EXPECT_NEAR(rotation_distance(nearest, R), min_distance(listed, R), 1e-9);
   }
 }
 
@@ -53,7 +53,7 @@ TEST(SymmetryGroup, TurnsContinuouslyAboutALine) {
     for (int i = 0; i < 100; ++i) {
       const Eigen::Matrix3d R = random.rotation();
       const Eigen::Matrix3d nearest(group.nearest(Eigen::Quaterniond(R)));
-      const double least = least_distance(listed, R), found = rotation_distance(nearest, R);
+      const double least = min_distance(listed, R), found = rotation_distance(nearest, R);
       EXPECT_LE(found, least + 1e-9);
       EXPECT_GT(found, least - 0.02);  // of which half a step is 1 deg
       EXPECT_NEAR(std::abs(axis.dot(nearest * axis)), 1, 1e-9);

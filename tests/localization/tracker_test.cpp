@@ -112,7 +112,7 @@ TEST(Tracker, FindsTheObjectAgainAfterASlip) {
   EXPECT_GE(back, 15);
 }
 
-TEST(Tracker, TellsTheNoiseOfVelocitiesFromSliding) {
+TEST(Tracker, DistinguishesTheNoiseOfVelocitiesFromSliding) {
   const auto uncertainty = [](double velocity_noise) {
     Moving object("box", 8);
     TrackerOptions options;

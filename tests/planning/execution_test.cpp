@@ -12,7 +12,7 @@
 namespace palpate::planning {
 namespace {
 
-/// A hand that is always where it was told to be a tick ago.
+/// A hand that is always where it was commanded to be a tick ago.
 class LateHand : public hand::Hand {
  public:
   hand::HandReading step(const hand::HandCommand& command) override {

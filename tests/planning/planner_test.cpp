@@ -109,7 +109,7 @@ TEST(Plan, PassesEveryWaypointAtRest) {
 }
 
 /// One finger leans over its neighbour: to change places it must lean back, which neither waypoint
-/// tells.
+/// shows.
 TEST(Plan, FingersGoAroundEachOther) {
   simulation::CollisionScene scene(drawn_hand());
   Waypoint start = open_hand(0, 0, 0.3), goal = start;

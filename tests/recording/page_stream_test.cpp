@@ -29,7 +29,7 @@ Frame frame_at(const RecordingHeader& header, double time) {
 }
 
 /// A stream and the messages that it has sent.
-struct Told {
+struct Sent {
   std::vector<json> messages;
   PageStream stream{header(), [this](const std::string& text) {
                       EXPECT_EQ(text.find('\n'), std::string::npos);
@@ -46,41 +46,41 @@ struct Told {
 };
 
 TEST(PageStream, ThinsFramesAndNothingElse) {
-  Told told;
-  for (int i = 0; i <= 100; ++i) told.stream.frame(frame_at(header(), 0.01 * i));
-  EXPECT_EQ(told.of("frames").size(), 21u);
-  for (int i = 0; i < 3; ++i) told.stream.event({1.0, EventKind::begin, "lift", ""});
-  EXPECT_EQ(told.of("story").size(), 3u);
-  EXPECT_EQ(told.of("story").back()["phases"].size(), 3u);
+  Sent sent;
+  for (int i = 0; i <= 100; ++i) sent.stream.frame(frame_at(header(), 0.01 * i));
+  EXPECT_EQ(sent.of("frames").size(), 21u);
+  for (int i = 0; i < 3; ++i) sent.stream.event({1.0, EventKind::begin, "lift", ""});
+  EXPECT_EQ(sent.of("story").size(), 3u);
+  EXPECT_EQ(sent.of("story").back()["phases"].size(), 3u);
 }
 
 TEST(PageStream, FramesAfterAStepBackInTimeAreSent) {
-  Told told;
-  told.stream.frame(frame_at(header(), 5));
-  told.stream.frame(frame_at(header(), 1));
-  EXPECT_EQ(told.of("frames").size(), 2u);
+  Sent sent;
+  sent.stream.frame(frame_at(header(), 5));
+  sent.stream.frame(frame_at(header(), 1));
+  EXPECT_EQ(sent.of("frames").size(), 2u);
 }
 
 TEST(PageStream, ABeliefOfEarlierIsJudgedByTheTruthOfThen) {
-  Told told;
-  for (int i = 0; i <= 10; ++i) told.stream.frame(frame_at(header(), 0.1 * i));
+  Sent sent;
+  for (int i = 0; i <= 10; ++i) sent.stream.frame(frame_at(header(), 0.1 * i));
   const Eigen::Isometry3d then(Eigen::Translation3d(0, 0, 0.3));
-  told.stream.belief({.time = 0.3, .source = "touch", .in_hand = false, .poses = {{1.0, then}}});
-  const auto beliefs = told.of("belief");
+  sent.stream.belief({.time = 0.3, .source = "touch", .in_hand = false, .poses = {{1.0, then}}});
+  const auto beliefs = sent.of("belief");
   ASSERT_EQ(beliefs.size(), 1u);
   EXPECT_NEAR(beliefs[0]["translation_error_mm"].get<double>(), 0, 1e-6);
   EXPECT_EQ(beliefs[0]["entropy"], 0.0);
 }
 
 TEST(PageStream, NotesOfCrediblePosesAreBeliefsUntilThereAreOthers) {
-  Told told;
+  Sent sent;
   const std::string note = "credible 0.5 1 0 0 0 0 1 0 0 0 0 1 0.04 0 0 0 1";
-  told.stream.event({0, EventKind::note, "explore", note});
-  EXPECT_EQ(told.of("belief").size(), 1u);
-  EXPECT_NEAR(told.of("belief")[0]["entropy"].get<double>(), std::log(2.0), 1e-9);
-  told.stream.belief({.time = 0, .source = "prior", .in_hand = false, .poses = {}});
-  told.stream.event({0, EventKind::note, "explore", note});
-  EXPECT_EQ(told.of("belief").size(), 2u);
+  sent.stream.event({0, EventKind::note, "explore", note});
+  EXPECT_EQ(sent.of("belief").size(), 1u);
+  EXPECT_NEAR(sent.of("belief")[0]["entropy"].get<double>(), std::log(2.0), 1e-9);
+  sent.stream.belief({.time = 0, .source = "prior", .in_hand = false, .poses = {}});
+  sent.stream.event({0, EventKind::note, "explore", note});
+  EXPECT_EQ(sent.of("belief").size(), 2u);
 }
 
 TEST(LivePage, IsAPageWithoutFrames) {

@@ -121,7 +121,7 @@ TEST(ReplayPageTest, PlacesLinksAndContactsInTheWorld) {
   }
 }
 
-TEST(ReplayPageTest, TellsErrorsModuloSymmetryAndAlongTheFreeAxis) {
+TEST(ReplayPageTest, ReportsErrorsModuloSymmetryAndAlongTheFreeAxis) {
   Recording recording = toy_recording(60);
   const std::size_t last = 59;
   recording.frames[last].truth.emplace();
@@ -146,7 +146,7 @@ TEST(ReplayPageTest, TellsErrorsModuloSymmetryAndAlongTheFreeAxis) {
       data_of(page_of(recording))["estimates"][1]["modes"][0].contains("rotation_error_deg"));
 }
 
-TEST(ReplayPageTest, TellsPhasesInOrder) {
+TEST(ReplayPageTest, ReportsPhasesInOrder) {
   Recording recording = toy_recording(100);
   recording.events.push_back({1.0, EventKind::begin, "lift", ""});
   const auto phases = data_of(page_of(recording))["phases"];
@@ -158,7 +158,7 @@ TEST(ReplayPageTest, TellsPhasesInOrder) {
   EXPECT_GE(phases[2]["end"], 1.0);
 }
 
-TEST(ReplayPageTest, TellsWhereTheRestingObjectMayBe) {
+TEST(ReplayPageTest, ReportsWhereTheRestingObjectMayBe) {
   Recording recording = toy_recording(100);
   const auto pose = [](double x) { return fmt::format("1 0 0 {} 0 1 0 0 0 0 1 0 0 0 0 1", x); };
   recording.events.push_back({0.6, EventKind::note, "explore",

@@ -39,7 +39,7 @@ bool any_near(const std::vector<Eigen::Isometry3d>& poses, const Eigen::Isometry
 }
 
 // A mug is its own mirror image in the plane of its handle.
-TEST(CloudCandidates, AMirrorImageOfAMugTellsItsPose) {
+TEST(CloudCandidates, AMirrorImageOfAMugDeterminesItsPose) {
   RandomStream random(1, "mirror image");
   const PointCloud source = sampled(mug(), 4000, random.fork("source"));
   const Eigen::Isometry3d truth = testing::random_pose(random);
@@ -129,7 +129,7 @@ TEST(CloudCandidates, OnlyPosesThatBringPointsNearerArePromising) {
   EXPECT_FALSE(promising(source, target, turned[0], {truth}, 0.002, {}));
 }
 
-/// A box with a small plate off its middle, which alone tells it from its mirror image.
+/// A box with a small plate off its middle, which alone distinguishes it from its mirror image.
 PointCloud box_with_plate(std::size_t points, RandomStream random) {
   PointCloud cloud;
   const Eigen::Vector3d size(0.05, 0.08, 0.12);

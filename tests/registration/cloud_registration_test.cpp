@@ -160,7 +160,7 @@ TEST(RegisterClouds, ReadsBuffersWhereTheyAre) {
   EXPECT_EQ(found.result.T_target_source->matrix(), same.result.T_target_source->matrix());
 }
 
-// Coordinates of the surface itself tell where a point is better than any feature.
+// Coordinates of the surface itself locate a point better than any feature.
 TEST(RegisterClouds, TakesFeaturesOfOnesOwn) {
   constexpr double kVoxel = 0.004;
   FeatureCloud described[2];

@@ -21,7 +21,7 @@ TEST(ConsistencyGraph, JoinsPairsOfEqualLength) {
                                       RandomStream(pairs, "graph"));
     const auto& c = problem.correspondences;
     const ConsistencyGraph graph(c, {.noise_bound = kBound});
-    const double tolerance = 1.25 * kBound, doubt = 1e-3 * kBound;
+    const double tolerance = 1.25 * kBound, margin = 1e-3 * kBound;
     int edges = 0;
     for (int i = 0; i < graph.size(); ++i) {
       int degree = 0;
@@ -31,7 +31,7 @@ TEST(ConsistencyGraph, JoinsPairsOfEqualLength) {
         const double off = std::abs(length - (c.target[a] - c.target[b]).norm());
         degree += graph.joined(i, j);
         EXPECT_EQ(graph.joined(i, j), graph.joined(j, i));
-        if (std::abs(off - tolerance) < doubt || std::abs(length - tolerance) < doubt) continue;
+        if (std::abs(off - tolerance) < margin || std::abs(length - tolerance) < margin) continue;
         EXPECT_EQ(graph.joined(i, j), i != j && off < tolerance && length > tolerance);
       }
       EXPECT_EQ(graph.degree(i), degree);

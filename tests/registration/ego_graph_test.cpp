@@ -25,12 +25,12 @@ TEST(EgoGraph, IsTheGraphAboutOneVertex) {
     const auto& c = problem.correspondences;
     const ConsistencyGraph graph(c, {.noise_bound = kBound, .normal_noise_deg = noise_deg});
     const PairColumns columns = columns_of(c, c.source[0], c.target[0], kBound, normals);
-    EgoGraph star(columns, ConsistencyOptions{}.length_tolerance, noise_deg);
+    EgoGraph ego(columns, ConsistencyOptions{}.length_tolerance, noise_deg);
     for (int center = 0; center < graph.size(); ++center) {
-      star.look_around(center);
-      EXPECT_EQ(static_cast<int>(star.neighbours().size()), graph.degree(center));
-      for (const int other : star.neighbours()) EXPECT_TRUE(graph.joined(center, other));
-      const auto clique = star.clique(16);
+      ego.look_around(center);
+      EXPECT_EQ(static_cast<int>(ego.neighbours().size()), graph.degree(center));
+      for (const int other : ego.neighbours()) EXPECT_TRUE(graph.joined(center, other));
+      const auto clique = ego.clique(16);
       EXPECT_EQ(clique, grow_clique(graph, center, 16));
     }
   }

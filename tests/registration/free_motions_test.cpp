@@ -102,7 +102,7 @@ TEST(FreeMotions, OfNoObjectThatHasAPose) {
 }
 
 // A cone whose radius varies by 6 %: slopes of some degrees, less than the normals' noise squared
-// and summed leaves to tell them from a round one.
+// and summed leaves to distinguish them from a round one.
 TEST(FreeMotions, OfANearlyRoundSurfaceAreNone) {
   const Surface surface = [](RandomStream& r) {
     const double h = std::sqrt(r.uniform(0.1, 1.0)), a = kTurn * r.uniform();

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kMillisecond = 1'000'000, kSecond = 1'000'000'000;
 
-/// A hand that tells of itself, as messages_of() has it.
+/// A hand that publishes, as messages_of() has it.
 class StreamTest : public testing::Test {
  protected:
   hand::Description hand_ = recording::toy_hand();
@@ -184,7 +184,7 @@ TEST_F(StreamTest, WhatCannotBeIsDropped) {
 TEST_F(StreamTest, WithoutThePlaceOfTheMountThereIsNoReading) {
   const auto messages = messages_of(reading_, hand_, interface_, kSecond);
   EXPECT_FALSE(send(interface_.joint_states, messages.joints));
-  EXPECT_EQ(stream_.counts().blind, 1U);
+  EXPECT_EQ(stream_.counts().incomplete, 1U);
   send_all(2 * kSecond);
   // The sender of transforms and contacts dies, that of the joints does not.
   auto later = messages_of(reading_, hand_, interface_, 3 * kSecond).joints;

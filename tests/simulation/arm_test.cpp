@@ -230,7 +230,7 @@ TEST(ArmFollower, WhatItCannotHoldAtTheStartIsBadInput) {
   EXPECT_THROW(follower.reset(Eigen::Isometry3d(Eigen::Translation3d(3, 0, 0.3))), BadInput);
 }
 
-TEST(World, AnArmCarriesTheHandToWhereItIsTold) {
+TEST(World, AnArmCarriesTheHandToWhereItIsCommanded) {
   World world(block(), with_arm(example_arm()), 1);
   hand::HandCommand command = waiting(world.hand_model());
   world.reset({}, command);

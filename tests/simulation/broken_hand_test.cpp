@@ -10,7 +10,7 @@ namespace {
 
 struct Broken {
   std::string name, file, text;
-  std::string told;  ///< must stand in the message
+  std::string expected;  ///< must stand in the message
 };
 
 void PrintTo(const Broken& broken, std::ostream* out) { *out << broken.name; }
@@ -60,7 +60,7 @@ TEST_P(BrokenHand, IsRefusedInOneLineThatSaysWhatIsWrong) {
     FAIL() << "it was taken";
   } catch (const BadInput& error) {
     const std::string message = error.what();
-    EXPECT_NE(message.find(broken.told), std::string::npos) << message;
+    EXPECT_NE(message.find(broken.expected), std::string::npos) << message;
     EXPECT_NE(message.find("palpate-hand-files"), std::string::npos) << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   }

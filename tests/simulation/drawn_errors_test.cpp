@@ -12,27 +12,27 @@
 namespace palpate::simulation {
 namespace {
 
-TEST(DifferingObject, IsAsToldWhereNothingDiffers) {
-  const auto told = geometry::load_known_object("bracket");
-  const SolidObject solid = differing_object(told, {}, RandomStream(1));
-  EXPECT_EQ(solid.object.mesh.vertices, told.mesh.vertices);
-  EXPECT_EQ(solid.object.mass, told.mass);
+TEST(DifferingObject, IsNominalWhereNothingDiffers) {
+  const auto nominal = geometry::load_known_object("bracket");
+  const SolidObject solid = differing_object(nominal, {}, RandomStream(1));
+  EXPECT_EQ(solid.object.mesh.vertices, nominal.mesh.vertices);
+  EXPECT_EQ(solid.object.mass, nominal.mass);
   EXPECT_FALSE(solid.parts.empty());
 }
 
 TEST(DifferingObject, IsDentedByAsMuchAsIsAskedAndNotMoved) {
-  const auto told = geometry::load_known_object("bottle");
+  const auto nominal = geometry::load_known_object("bottle");
   double square = 0;
   constexpr int kObjects = 20;
   for (int seed = 0; seed < kObjects; ++seed) {
     const SolidObject solid =
-        differing_object(told, {.surface = 0.0005}, RandomStream(static_cast<unsigned>(seed)));
+        differing_object(nominal, {.surface = 0.0005}, RandomStream(static_cast<unsigned>(seed)));
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     double sum = 0;
-    for (std::size_t i = 0; i < told.mesh.vertices.size(); ++i) {
-      const Eigen::Vector3d way = solid.object.mesh.vertices[i] - told.mesh.vertices[i];
-      mean += way / static_cast<double>(told.mesh.vertices.size());
-      sum += way.squaredNorm() / static_cast<double>(told.mesh.vertices.size());
+    for (std::size_t i = 0; i < nominal.mesh.vertices.size(); ++i) {
+      const Eigen::Vector3d way = solid.object.mesh.vertices[i] - nominal.mesh.vertices[i];
+      mean += way / static_cast<double>(nominal.mesh.vertices.size());
+      sum += way.squaredNorm() / static_cast<double>(nominal.mesh.vertices.size());
     }
     square += sum / kObjects;
     EXPECT_LT(mean.norm(), 0.0004) << "aligned with what it shows";
@@ -43,13 +43,13 @@ TEST(DifferingObject, IsDentedByAsMuchAsIsAskedAndNotMoved) {
 }
 
 TEST(DifferingObject, HasAnotherSizeAndMassWithinTheBounds) {
-  const auto told = geometry::load_known_object("box");
+  const auto nominal = geometry::load_known_object("box");
   for (unsigned seed = 0; seed < 20; ++seed) {
     const WorldErrors error{.mass = 0.2, .scale = 0.01};
-    const SolidObject solid = differing_object(told, error, RandomStream(seed));
-    EXPECT_NEAR(solid.object.mass / told.mass, 1, 0.2);
-    EXPECT_NE(solid.object.mass, told.mass);
-    const double scale = solid.object.mesh.vertices[0].norm() / told.mesh.vertices[0].norm();
+    const SolidObject solid = differing_object(nominal, error, RandomStream(seed));
+    EXPECT_NEAR(solid.object.mass / nominal.mass, 1, 0.2);
+    EXPECT_NE(solid.object.mass, nominal.mass);
+    const double scale = solid.object.mesh.vertices[0].norm() / nominal.mesh.vertices[0].norm();
     EXPECT_NEAR(scale, 1, 0.01 + 1e-12);
     EXPECT_NE(scale, 1);
   }
@@ -93,7 +93,7 @@ TEST(RealisticWorld, TheArmDoesNotKnowHowHighTheTableIs) {
   world.reset({}, open_hand(0.4));
   hand::HandReading reading;
   for (int i = 0; i < 100; ++i) reading = world.hand().step(open_hand(0.4));
-  EXPECT_NEAR(reading.base.xyz.z(), 0.4, 1e-3) << "it reads what it was told";
+  EXPECT_NEAR(reading.base.xyz.z(), 0.4, 1e-3) << "it reads what it was given";
 }
 
 TEST(RealisticWorld, ReadingsOfTheMountAreLate) {

@@ -62,7 +62,7 @@ TEST(HandJoints, DistalFollowsMiddleInFreeFlexion) {
   }
 }
 
-TEST(HandJoints, SlowFreeFlexionSharesAsTold) {
+TEST(HandJoints, SlowFreeFlexionSharesAsCommanded) {
   World world(block(), without_noise(), 1);
   hand::HandCommand command = open_hand(0.5);
   world.reset({}, command);
@@ -70,8 +70,8 @@ TEST(HandJoints, SlowFreeFlexionSharesAsTold) {
     flex(world, command, target - 0.25, target, 0.25, [](const auto&) {});
     for (int tick = 0; tick < 100; ++tick) world.hand().step(command);
     const auto [j1, j2] = pair_of(world.truth().joints, "MF");
-    const hand::CoupledAngles told = hand::share_in_free_flexion(j1 + j2, {});
-    EXPECT_NEAR(j2, told.j2, 0.08) << "at J0 = " << j1 + j2;  // what friction leaves open
+    const hand::CoupledAngles shared = hand::share_in_free_flexion(j1 + j2, {});
+    EXPECT_NEAR(j2, shared.j2, 0.08) << "at J0 = " << j1 + j2;  // what friction leaves open
   }
 }
 

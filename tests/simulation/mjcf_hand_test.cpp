@@ -50,7 +50,7 @@ TEST(MjcfHand, JacobianIsTheDerivativeOfThePositions) {
   }
 }
 
-TEST(MjcfHand, TellsATipFromTheMiddleOfALink) {
+TEST(MjcfHand, DistinguishesATipFromTheMiddleOfALink) {
   const MjcfHand hand = adroit();
   EXPECT_GT(hand.share_of_link(hand.point("S_mftip")), 0.7);
   EXPECT_NEAR(hand.share_of_link(hand.point("Tch_ffproximal")), 0.4, 0.15);

@@ -96,7 +96,7 @@ TEST(CalibratePhase, FindsTheTableTheMountAndTheLoadOfAnUnknownRobot) {
   EXPECT_LT(scene.robot.steady_load().norm(), 0.3);
 }
 
-TEST(CalibratePhase, TheLogAloneTellsTheSameHand) {
+TEST(CalibratePhase, TheLogAloneGivesTheSameHand) {
   Calibrating scene(4);
   scene.options.touches = 6;
   const auto drawn = scene.robot.model();

@@ -92,10 +92,10 @@ TEST(CommandGate, KeepsToRangesAndWorkspace) {
   hand::HandCommand beyond = hand::resting_command();
   beyond.base.xyz = {0, 3, 0};
   beyond.positions.setConstant(9);
-  hand::HandCommand told;
-  for (int tick = 0; tick < 400; ++tick) told = limits.limited(beyond);
-  EXPECT_NEAR(told.base.xyz.norm(), 0.2, 1e-9);
-  EXPECT_EQ(told.positions.maxCoeff(), kSoftHand.actuators[0].command.high);
+  hand::HandCommand commanded;
+  for (int tick = 0; tick < 400; ++tick) commanded = limits.limited(beyond);
+  EXPECT_NEAR(commanded.base.xyz.norm(), 0.2, 1e-9);
+  EXPECT_EQ(commanded.positions.maxCoeff(), kSoftHand.actuators[0].command.high);
 }
 
 TEST(CommandGate, RefusesWhatIsNotFinite) {

@@ -124,15 +124,15 @@ TEST(Executor, APostureOfAnotherHandIsAFault) {
   EXPECT_EQ(scene.robot.fault().fault, Fault::invalid_command);
 }
 
-TEST(Executor, TellsOfEveryTickAndMark) {
+TEST(Executor, ReportsEveryTickAndEvent) {
   int ticks = 0;
   std::vector<estimation::TouchEvent> events;
   Scene scene({}, {[&](const HandReading&, const hand::HandCommand&) { ++ticks; },
                    [&](estimation::TouchEvent event) { events.push_back(event); },
                    {}});
-  scene.robot.mark(estimation::TouchEvent::height_probed);
+  scene.robot.add_event(estimation::TouchEvent::height_probed);
   scene.robot.wait(0.2);
-  scene.robot.mark(estimation::TouchEvent::closed);
+  scene.robot.add_event(estimation::TouchEvent::closed);
   EXPECT_EQ(ticks, 21);
   EXPECT_EQ(events, (std::vector<estimation::TouchEvent>{estimation::TouchEvent::height_probed,
                                                          estimation::TouchEvent::closed}));
@@ -265,7 +265,7 @@ TEST(EventLog, AnOpenedHandStartsAgainButKnowsTheGraspBefore) {
   EXPECT_FALSE(log.before_opening());
 }
 
-/// A phase that waits, then says what it was told to say.
+/// A phase that waits, then says what it was given to say.
 class WaitingPhase : public Phase {
  public:
   WaitingPhase(double seconds, bool ok) : seconds_(seconds), ok_(ok) {}

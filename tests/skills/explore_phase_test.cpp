@@ -71,7 +71,7 @@ struct Exploring {
     ExplorePhase phase(estimator, options);
     return run_phase(phase, robot, state);
   }
-  std::size_t marked(estimation::TouchEvent event) const { return robot.log().all(event).size(); }
+  std::size_t count_of(estimation::TouchEvent event) const { return robot.log().all(event).size(); }
 
   /// Sweeps that set out from the same place with the hand turned alike.
   std::size_t repeated() const {
@@ -110,7 +110,7 @@ TEST(ExplorePhase, GoesOnTillAsManyHaveTouchedAsWereAskedFor) {
   Exploring exploring([](std::size_t sweep) { return sweep % 2 == 0; });
   exploring.options.touches = exploring.options.max_touches = 4;
   exploring.explore();
-  EXPECT_EQ(exploring.marked(estimation::TouchEvent::touched), 4u);
+  EXPECT_EQ(exploring.count_of(estimation::TouchEvent::touched), 4u);
   EXPECT_EQ(exploring.sweeps, 7u);
 }
 
@@ -126,7 +126,7 @@ TEST(ExplorePhase, GivesUpWhereNothingIsSensed) {
   exploring.options.touches = exploring.options.max_touches = 4;
   EXPECT_EQ(exploring.explore().status, PhaseStatus::failed);
   EXPECT_EQ(exploring.sweeps, 8u);
-  EXPECT_EQ(exploring.marked(estimation::TouchEvent::missed), 8u);
+  EXPECT_EQ(exploring.count_of(estimation::TouchEvent::missed), 8u);
 }
 
 TEST(ExplorePhase, IsSlowWhereTheObjectMayBe) {
@@ -191,7 +191,7 @@ TEST(ExplorePhase, WhatTheFingertipMeetsOnTheWayDownIsATouch) {
   exploring.options.radius = 0.1;
   exploring.explore();
   EXPECT_EQ(exploring.sweeps, 0u);
-  ASSERT_EQ(exploring.marked(estimation::TouchEvent::touched), 2u);
+  ASSERT_EQ(exploring.count_of(estimation::TouchEvent::touched), 2u);
   const auto& log = exploring.robot.log();
   for (std::size_t k = 0; k < 2; ++k) {
     const auto& from = log.readings[log.all(estimation::TouchEvent::guarded_move)[k]].base.xyz;
@@ -205,7 +205,7 @@ TEST(ExplorePhase, WhatIsMetOnAFastWayDownStopsItAndIsATouch) {
   exploring.roof = 0.02;
   exploring.options.touches = exploring.options.max_touches = 1;
   exploring.explore();
-  ASSERT_EQ(exploring.marked(estimation::TouchEvent::touched), 1u);
+  ASSERT_EQ(exploring.count_of(estimation::TouchEvent::touched), 1u);
   const auto& readings = exploring.robot.log().readings;
   const auto met = std::find_if(readings.begin(), readings.end(),
                                 [](const auto& reading) { return !reading.contacts[1].empty(); });
@@ -231,10 +231,10 @@ TEST(ExplorePhase, MakesUpForNoMissWhereMoreTouchesMayFollow) {
   exploring.options.touches = 4;
   exploring.options.max_touches = 8;
   exploring.explore();
-  EXPECT_EQ(exploring.sweeps, 4u);  // without a pose there is none to tell apart
+  EXPECT_EQ(exploring.sweeps, 4u);  // without a pose there is none to distinguish
 }
 
-TEST(ExplorePhase, TellsPosesApartByGuardedMovesNotMadeYet) {
+TEST(ExplorePhase, DistinguishesPosesByGuardedMovesNotMadeYet) {
   // The first touches leave the box's yaw open; then something else is always in the way.
   Exploring exploring([](std::size_t sweep) { return sweep < 2; });
   exploring.blocks = [](std::size_t sweep) { return sweep >= 2; };
@@ -250,8 +250,8 @@ TEST(ExplorePhase, AGuardedMoveCutShortByTimeMissedNothing) {
   exploring.options.touches = exploring.options.max_touches = 2;
   exploring.options.speed = exploring.options.touch_speed = 0.001;  // 185 s a guarded move
   EXPECT_EQ(exploring.explore().status, PhaseStatus::timed_out);
-  EXPECT_GE(exploring.marked(estimation::TouchEvent::guarded_move), 1u);
-  EXPECT_EQ(exploring.marked(estimation::TouchEvent::missed), 0u);
+  EXPECT_GE(exploring.count_of(estimation::TouchEvent::guarded_move), 1u);
+  EXPECT_EQ(exploring.count_of(estimation::TouchEvent::missed), 0u);
 }
 
 TEST(ExplorePhase, HasTimeForManyGuardedMoves) {

@@ -114,15 +114,15 @@ TEST(Pick, OfNothingGivesUpAfterItsAttempts) {
   PickOptions options;
   options.attempts = 2;
   options.calibrate.touches = 0;
-  int told = 0;
+  int calls = 0;
   PhaseObserver observer;
-  observer.on_picked = [&](const PickResult& result) { told += !result.held; };
+  observer.on_picked = [&](const PickResult& result) { calls += !result.held; };
   const PickResult result = pick(scene.robot, box(), options, 1, observer);
   EXPECT_FALSE(result.held);
   EXPECT_EQ(result.attempts, 2);
   EXPECT_EQ(result.failed_phase, "height_probe");
   EXPECT_TRUE(result.estimate.posterior.modes.empty());
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(calls, 1);
   std::vector<std::string> names;
   for (const auto& phase : result.phases) names.push_back(phase.name);
   EXPECT_EQ(names, (std::vector<std::string>{"height_probe", "release", "height_probe"}));

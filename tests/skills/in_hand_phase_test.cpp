@@ -30,16 +30,16 @@ TEST(InHandReorientation, TakesItsShareOffTheTurnOfTheBase) {
   for (int i = 0; i < 100; ++i) {
     const hand::BasePosition now{random.normal3(), 0.5 * random.normal3()};
     const HeldObject held = some_hold(random);
-    const hand::BasePosition seat{random.normal3(), 0.5 * random.normal3()};
-    const Eigen::Isometry3d target = seat.pose() * held.T_base_object;
+    const hand::BasePosition wanted{random.normal3(), 0.5 * random.normal3()};
+    const Eigen::Isometry3d target = wanted.pose() * held.T_base_object;
     const double most = random.uniform(0.05, 0.4);
-    const Eigen::Vector3d asked = share_of_fingers(now, seat, most);
-    EXPECT_NEAR(asked.norm(), std::min(most, angle_between(now, seat)), 1e-9);
+    const Eigen::Vector3d asked = share_of_fingers(now, wanted, most);
+    EXPECT_NEAR(asked.norm(), std::min(most, angle_between(now, wanted)), 1e-9);
     // Held as it is then, the object comes to the target with that much less of a turn.
     const HeldObject turned = turned_in_hand(held, now, asked);
     const Eigen::Matrix3d R = (target * turned.T_base_object.inverse()).linear();
-    EXPECT_NEAR(rotation_distance(R, now.pose().linear()), angle_between(now, seat) - asked.norm(),
-                1e-6);
+    EXPECT_NEAR(rotation_distance(R, now.pose().linear()),
+                angle_between(now, wanted) - asked.norm(), 1e-6);
     EXPECT_EQ(turned.T_base_object.translation(), held.T_base_object.translation());
     // It has turned by that in the world.
     const Eigen::Matrix3d before = now.pose().linear() * held.T_base_object.linear();
@@ -100,9 +100,9 @@ TEST(InHandReorientation, APoseThatDriftsEndsWithTheObjectPutBack) {
   ASSERT_TRUE(scene.picked.held);
   scene.options.place.fingers.reorient.drift_angle = 0.001;  // nothing is known so well
   const auto placed = scene.place_it();
-  ASSERT_TRUE(placed.turn);
-  EXPECT_EQ(placed.turn->result.end, ReorientEnd::drift);
-  EXPECT_FALSE(placed.turn->known);
+  ASSERT_TRUE(placed.reorientation);
+  EXPECT_EQ(placed.reorientation->result.end, ReorientEnd::drift);
+  EXPECT_FALSE(placed.reorientation->known);
   EXPECT_EQ(placed.status, PlaceStatus::slipped);
   EXPECT_EQ(placed.failed_phase, "turn");
   EXPECT_EQ(placed.phases.back().name, "withdraw");
@@ -118,9 +118,9 @@ TEST(InHandReorientation, WhereFingersLetGoTheBaseTakesWhatIsLeft) {
   ASSERT_TRUE(scene.picked.held);
   scene.options.place.fingers.reorient.longest = 0.1;  // one step, and no more
   const auto placed = scene.place_it();
-  ASSERT_TRUE(placed.turn);
-  EXPECT_EQ(placed.turn->result.end, ReorientEnd::out_of_time);
-  EXPECT_GT(placed.turn->result.left.rotation, 0.1);
+  ASSERT_TRUE(placed.reorientation);
+  EXPECT_EQ(placed.reorientation->result.end, ReorientEnd::out_of_time);
+  EXPECT_GT(placed.reorientation->result.left.rotation, 0.1);
   EXPECT_EQ(placed.status, PlaceStatus::placed) << placed.phases.back().outcome;
   EXPECT_LT(scene.world.truth().lowest_point, 0.002);
 }
@@ -132,7 +132,7 @@ double pressing(const Executor& robot) {
   return sum;
 }
 
-TEST(InHandReorientation, FingersThatAreAboutToLetGoPressAnew) {
+TEST(InHandReorientation, FingersThatAreAboutToLetGoPressAgain) {
   HeldBox scene;
   ASSERT_TRUE(scene.picked.held);
   InHandReorientationOptions options = scene.options.place.fingers;

@@ -166,7 +166,7 @@ TEST(ReorientInHand, EndsWhereItComesNoNearer) {
       turned(posterior.modes.front().T_frame_object, Eigen::Vector3d(0, 0, 0.17));
   ReorientOptions options;
   options.sampling.samples = 0;
-  options.speed = 0.001;  // less than can be told
+  options.speed = 0.001;  // less than can be measured
   options.linear_speed = 1e-4;
   options.patience = 1;
   const auto result = reorient_in_hand(*scene.robot, scene.object, posterior, goal, options, kSeed);

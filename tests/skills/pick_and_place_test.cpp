@@ -47,7 +47,7 @@ TEST(PickAndPlace, WhatFellOnTheWayIsFoundByTouchAndPickedAgain) {
   ASSERT_TRUE(course.place);
   EXPECT_EQ(course.place->status, PlaceStatus::placed);
   EXPECT_LT(mishap.off(*course.place), 0.03);
-  EXPECT_EQ(course.strategy.strategy, PlaceStrategy::wrist);  // told of the last hold, too
+  EXPECT_EQ(course.strategy.strategy, PlaceStrategy::wrist);  // reported of the last hold, too
   EXPECT_EQ(course.strategy.reason, "asked for");
 }
 

@@ -24,8 +24,8 @@ void stand(hand::HandReading& reading, double ground) {
 
 PlaceGoal goal_at(double height) {
   PlaceGoal goal;
-  goal.seat.xyz << 0.1, 0.05, height;
-  goal.above = goal.seat;
+  goal.base.xyz << 0.1, 0.05, height;
+  goal.above = goal.base;
   goal.above.xyz.z() += 0.1;
   return goal;
 }
@@ -61,11 +61,11 @@ struct Descent {
   double wall_ = 0, expected_ = kGround;
 };
 
-TEST(PlacePhase, StopsAtTheTableAndLetsGo) {
+TEST(PlacePhase, StopsAtTheTableAndReleases) {
   Descent descent([](auto& reading) { stand(reading, kGround); }, 0);
   const auto report = descent.run();
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
-  EXPECT_TRUE(descent.phase.let_go());
+  EXPECT_TRUE(descent.phase.released());
   EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::flat);
   EXPECT_TRUE(descent.robot.log().at(estimation::TouchEvent::placed));
   EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::shadow_hand().actuator("FFJ3")], 0.2);
@@ -123,17 +123,17 @@ TEST(PlacePhase, AnEarlyContactIsARefusal) {
   const auto report = run_phase(phase, descent.robot, state);
   EXPECT_EQ(report.status, PhaseStatus::failed);
   EXPECT_EQ(phase.touchdown(), PlacePhase::Touchdown::early);
-  EXPECT_FALSE(phase.let_go());
+  EXPECT_FALSE(phase.released());
   EXPECT_NE(report.outcome.find("refused"), std::string::npos);
   EXPECT_FALSE(descent.robot.log().at(estimation::TouchEvent::placed));
 }
 
-TEST(PlacePhase, NothingSensedIsNoReasonToLetGo) {
+TEST(PlacePhase, NothingSensedIsNoReasonToRelease) {
   Descent descent([](auto& reading) { stand(reading, 0); }, 0);
   const auto report = descent.run();
   EXPECT_EQ(report.status, PhaseStatus::failed);
   EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::nothing);
-  EXPECT_FALSE(descent.phase.let_go());
+  EXPECT_FALSE(descent.phase.released());
 }
 
 TEST(PlacePhase, AnEmptyHandIsNoticed) {
@@ -144,7 +144,7 @@ TEST(PlacePhase, AnEmptyHandIsNoticed) {
 
 TEST(PlacePhase, LooksForASlotBesideAFirstMiss) {
   constexpr double kWall = 0.006;
-  const Eigen::Vector2d slot = goal_at(kGround).seat.xyz.head<2>() + Eigen::Vector2d(0.002, 0);
+  const Eigen::Vector2d slot = goal_at(kGround).base.xyz.head<2>() + Eigen::Vector2d(0.002, 0);
   const auto script = [&](hand::HandReading& reading) {
     const bool in = (reading.base.xyz.head<2>() - slot).norm() < 0.001;
     stand(reading, in ? kGround : kGround + kWall);
@@ -181,7 +181,7 @@ TEST(PlacePhase, AnObjectThatSankStandsOnAWallAllTheSame) {
   const auto report = descent.run();
   EXPECT_EQ(report.status, PhaseStatus::failed) << report.outcome;
   EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::early);
-  EXPECT_FALSE(descent.phase.let_go());
+  EXPECT_FALSE(descent.phase.released());
 }
 
 TEST(PlacePhase, GivesUpASlotThatIsNowhere) {

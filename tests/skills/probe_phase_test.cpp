@@ -64,7 +64,7 @@ struct Hold {
     options.min_gain_rate = 0;
     options.balance = 2;  // all contacts are on top
     options.spread = 0.3;
-    options.bend = 0;    // J4 alone tells where a finger is
+    options.bend = 0;    // J4 alone determines where a finger is
     options.likely = 0;  // the poses in doubt have nothing to do with what the hand senses
     locate.search.proposals = 10000;
     locate.search.particles = 200;
@@ -77,7 +77,7 @@ struct Hold {
       state.estimate.posterior.modes.push_back(mode);
     }
     robot.wait(0.2);
-    robot.mark(estimation::TouchEvent::closed);
+    robot.add_event(estimation::TouchEvent::closed);
   }
 
   static hand::HandCommand holding() {
@@ -131,7 +131,7 @@ TEST(PalpationPhase, TouchesAnotherSpotAndReturns) {
 
 TEST(PalpationPhase, NoFingerLetsGoOfWhatHangs) {
   Hold hold;
-  hold.robot.mark(estimation::TouchEvent::held);
+  hold.robot.add_event(estimation::TouchEvent::held);
   hold.probe(estimation::TouchEvent::held);
   EXPECT_EQ(hold.probes(), 0u);
   hold.probe();

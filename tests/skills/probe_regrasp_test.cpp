@@ -49,7 +49,7 @@ struct TwoMugs {
   localization::Posterior posterior;
 };
 
-TEST(MostTellingGrasp, HoldsEitherWayAndTouchesTheHandle) {
+TEST(MostInformativeGrasp, HoldsEitherWayAndTouchesTheHandle) {
   const TwoMugs mugs;
   const auto grasp = mugs.choose();
   ASSERT_TRUE(grasp);
@@ -63,7 +63,7 @@ TEST(MostTellingGrasp, HoldsEitherWayAndTouchesTheHandle) {
   }
 }
 
-TEST(MostTellingGrasp, TellsNothingOfPosesThatAreOne) {
+TEST(MostInformativeGrasp, HasNoInformationOnPosesThatAreOne) {
   TwoMugs mugs;
   mugs.posterior.modes[1].T_frame_object = mugs.posterior.modes[0].T_frame_object;
   const auto grasp = mugs.choose();
@@ -71,7 +71,7 @@ TEST(MostTellingGrasp, TellsNothingOfPosesThatAreOne) {
   EXPECT_NEAR(grasp->expected_gain.information, 0, 1e-9);
 }
 
-TEST(MostTellingGrasp, TellsNothingOfPosesThatClosingTurnsIntoOneAnother) {
+TEST(MostInformativeGrasp, HasNoInformationOnPosesThatClosingTurnsIntoOneAnother) {
   TwoMugs mugs;
   mugs.posterior.modes[1].T_frame_object = mugs.standing(0.15);
   ASSERT_TRUE(mugs.choose());
@@ -81,7 +81,7 @@ TEST(MostTellingGrasp, TellsNothingOfPosesThatClosingTurnsIntoOneAnother) {
   EXPECT_GT(mugs.choose()->expected_gain.information, 0.05);
 }
 
-TEST(MostTellingGrasp, KeepsAwayFromTriedSidesAndFromNoPoseAtAll) {
+TEST(MostInformativeGrasp, KeepsAwayFromTriedSidesAndFromNoPoseAtAll) {
   TwoMugs mugs;
   for (int i = 0; i < 12; ++i) mugs.options.avoid.push_back(i * pi / 6);
   EXPECT_FALSE(mugs.choose());

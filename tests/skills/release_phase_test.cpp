@@ -15,7 +15,7 @@ namespace {
 struct Holding {
   explicit Holding(hand::FakeHand::Script script = {})
       : hand(std::move(script)), robot(hand, soft_shadow(), closed_command()) {
-    robot.mark(estimation::TouchEvent::closed);
+    robot.add_event(estimation::TouchEvent::closed);
     hand::BasePosition up = robot.command().base;
     up.xyz.z() += 0.1;
     robot.move_base(up, 0.5);
@@ -86,7 +86,7 @@ TEST(ReleasePhase, TheThumbStaysOpposedUntilTheHandHasRisen) {
   EXPECT_LE(holding.robot.command().positions[hand::shadow_hand().actuator("THJ4")], 0.1);
 }
 
-TEST(ReleasePhase, LetsGoWhereTheHandHadClosedAndGoesAway) {
+TEST(ReleasePhase, ReleasesWhereTheHandHadClosedAndGoesAway) {
   Holding holding(bear_weight);
   ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);
   // The fingers open no higher than they had closed: what hangs in them does not fall.

@@ -33,7 +33,7 @@ TEST(SafetyOfTheMount, AMountThatDoesNotFollowIsNamed) {
   EXPECT_NE(robot.fault().detail.find("mount"), std::string::npos);
 }
 
-/// An arm that is where it is told to be, until it says nothing more.
+/// An arm that is where it is commanded to be, until it says nothing more.
 struct SilencedArm : hand::Arm {
   std::string name() const override { return "lift"; }
   void move(const hand::BasePosition& to) override { target = to; }

@@ -35,13 +35,13 @@ struct HangingBox {
   localization::Posterior posterior;
 };
 
-TEST(TableTouchChoice, TurnsTheBoxSoThatItsHeightTellsTheAngleInQuestion) {
+TEST(TableTouchChoice, TurnsTheBoxSoThatItsHeightMeasuresTheAngleInQuestion) {
   HangingBox box(0.05);
   const auto touch = box.choice().next();
   ASSERT_TRUE(touch);
   EXPECT_GT(touch->expected_gain.information, 0.2);
   EXPECT_GT(touch->sigma, 0.001);
-  // What hangs level tells little of which way it is turned, and a turn about y nothing.
+  // What hangs level says little about which way it is turned, and a turn about y nothing.
   EXPECT_GT(std::abs(touch->turn.x()), std::abs(touch->turn.y()) / 2);
 }
 
@@ -52,7 +52,7 @@ TEST(TableTouchChoice, ExpectsLittleOfAPoseThatIsKnown) {
   EXPECT_LT(touch->expected_gain.information, 0.02);
 }
 
-/// What a second touch of as long a lever tells where a first one told that: of two normal
+/// What a second touch of as long a lever measures where a first one measured that: of two normal
 /// distributions, r the ratio of their deviations, the bound is ln(1 + r^2 / 2) / 2, and the touch
 /// leaves r^2 / (1 + r^2) of r^2.
 double left_after(double information) {
@@ -60,7 +60,7 @@ double left_after(double information) {
   return std::log1p(r2 / (1 + r2) / 2) / 2;
 }
 
-TEST(TableTouchChoice, ATouchTellsWhichPosesAreLeft) {
+TEST(TableTouchChoice, ATouchShowsWhichPosesAreLeft) {
   HangingBox box(0.05);
   TableTouchChoice choice = box.choice();
   const auto first = choice.next();
@@ -73,7 +73,7 @@ TEST(TableTouchChoice, ATouchTellsWhichPosesAreLeft) {
               0.02);
 }
 
-TEST(TableTouchChoice, AMissedTableTellsNothing) {
+TEST(TableTouchChoice, AMissedTableHasNoInformation) {
   HangingBox box(0.05);
   TableTouchChoice choice = box.choice();
   const auto first = choice.next();

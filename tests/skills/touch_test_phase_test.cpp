@@ -40,7 +40,7 @@ TEST(TouchTestPhase, AFingertipThatSensesTheTableIsCleared) {
   EXPECT_TRUE(scene.robot.survived().empty());
 }
 
-TEST(TouchTestPhase, ANumbFingertipIsNamedAndNoLongerBelieved) {
+TEST(TouchTestPhase, AnInsensitiveFingertipIsNamedAndNoLongerBelieved) {
   OverTheTable scene(false);
   scene.robot.suspect(kFinger);
   const PhaseEnd end = TouchTestPhase({}).run(scene.robot, scene.state);

@@ -25,9 +25,9 @@ struct Carrying {
         robot(hand, model, waiting()) {
     robot.wait(0.3);
     goal.T_base_object.translation() << 0, 0, -0.25;
-    goal.seat.xyz << 0.2, 0.1, 0.42;
-    goal.seat.ypr << 0.8, 0, 0;
-    goal.above = goal.seat;
+    goal.base.xyz << 0.2, 0.1, 0.42;
+    goal.base.ypr << 0.8, 0, 0;
+    goal.above = goal.base;
     goal.above.xyz.z() += 0.1;
   }
   static hand::HandCommand waiting() {
@@ -75,7 +75,7 @@ TEST(TransportPhase, EndsOverTheGoalWithinItsLimits) {
 TEST(TransportPhase, TheFingersBearTheWeightAsTheHandTurns) {
   for (const bool bears : {true, false}) {
     Carrying carrying({});
-    carrying.goal.seat.ypr.y() = carrying.goal.above.ypr.y() = 0.6;
+    carrying.goal.base.ypr.y() = carrying.goal.above.ypr.y() = 0.6;
     const hand::ActuatorVector before = carrying.robot.command().positions;
     TransportOptions options;
     options.bear_weight = bears;
@@ -138,12 +138,12 @@ TEST(FindGoal, BringsTheObjectToTheTarget) {
   const auto search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});
   ASSERT_TRUE(search.goal) << search.obstacle;
   EXPECT_TRUE(search.same_stable_pose);
-  const Eigen::Isometry3d there = search.goal->seat.pose() * search.goal->T_base_object;
+  const Eigen::Isometry3d there = search.goal->base.pose() * search.goal->T_base_object;
   EXPECT_LT((there.matrix() - search.goal->T_world_object.matrix()).norm(), 1e-9);
   const auto error = localization::pose_error(there, target, box.symmetries);
   EXPECT_LT(error.rotation, 1e-6);
   EXPECT_LT(error.translation, 1e-9);
-  EXPECT_LT(std::abs(search.goal->seat.ypr.x()), 1.6);  // the box is the same from behind
+  EXPECT_LT(std::abs(search.goal->base.ypr.x()), 1.6);  // the box is the same from behind
 }
 
 TEST(FindGoal, SaysWhatIsInTheWay) {

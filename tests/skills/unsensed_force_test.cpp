@@ -44,7 +44,7 @@ TEST(UnsensedForce, AFingerThatIsHeldUpAndSensesNothingPressesNoFurther) {
   }
 }
 
-TEST(UnsensedForce, ItIsToldOfOnceItHasLasted) {
+TEST(UnsensedForce, ItIsReportedOnceItHasLasted) {
   UnsensedForce unsensed(kHand, kForce);
   int first = -1;
   for (int tick = 0; tick < 40 && first < 0; ++tick) {

@@ -68,11 +68,11 @@ TEST(WeightBearing, FollowsTheWeightByWhatTheStaticsAsk) {
   };
   const auto base = turned(0.3, std::numbers::pi / 2, 0.4);
   const hand::ActuatorVector change = torques(base) - torques(turned(0, 0, 0));
-  const hand::ActuatorVector told = bearing.command(base) - pinching.robot.command().positions;
+  const hand::ActuatorVector commanded = bearing.command(base) - pinching.robot.command().positions;
   EXPECT_GT(change.norm(), 0.01);  // N m: a weight of 1.5 N turned by a right angle
   for (int i = 0; i < hand::kShadowActuators; ++i) {
     const auto& actuator = pinching.robot.actuators()[static_cast<std::size_t>(i)];
-    EXPECT_NEAR(told[i], change[i] / actuator.stiffness, 1e-6) << i;
+    EXPECT_NEAR(commanded[i], change[i] / actuator.stiffness, 1e-6) << i;
   }
 }
 

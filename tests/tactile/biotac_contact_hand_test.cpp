@@ -30,7 +30,7 @@ TEST(BiotacHand, SensesByTheChannelsAlone) {
   const tactile::BiotacSkin skin;
   tactile::BiotacSensor sensor(skin, {}, RandomStream(7));
   int frames = 0;
-  // Contacts that the channels do not tell of, and channels that tell of one from a while on.
+  // Contacts that the channels do not show, and channels that show one from a while on.
   hand::FakeHand fake([&](hand::HandReading& reading) {
     reading.contacts[1] = {touch, touch};
     const bool touches = ++frames > 40;
@@ -49,8 +49,8 @@ TEST(BiotacHand, SensesByTheChannelsAlone) {
 }
 
 TEST(BiotacHand, RefusesAHandWithoutChannels) {
-  hand::FakeHand numb;
-  BiotacHand hand(numb, hand::one_link_hand(), inverse());
+  hand::FakeHand insensitive;
+  BiotacHand hand(insensitive, hand::one_link_hand(), inverse());
   EXPECT_THROW(hand.step(hand::resting_command()), BadInput);
 }
 

@@ -169,7 +169,7 @@ TEST(BiotacFinger, NoticesAStuckElectrode) {
   EXPECT_FALSE(estimate.contact);
 }
 
-TEST(BiotacFinger, FollowsDriftAndTellsOfIt) {
+TEST(BiotacFinger, FollowsDriftAndReportsIt) {
   Stream stream;
   stream.rest();
   BiotacEstimate estimate;
@@ -222,7 +222,7 @@ hand::HandReading reading_at(int k, const Eigen::Vector3d& way, const BiotacRead
   return reading;
 }
 
-TEST(BiotacFingers, AreBluntWhereNoElectrodeTellsThePlace) {
+TEST(BiotacFingers, AreBluntWhereNoElectrodeMeasuresThePlace) {
   BiotacFingers fingers(hand::one_link_hand(), inverse());
   const Eigen::Vector3d way(0, 0.6, 0.8);
   Stream stream;

@@ -60,7 +60,7 @@ TEST(BiotacSignals, FindsTheRestOfALogThatStartsInContact) {
   EXPECT_FALSE(has(late.flags[0], BiotacFlag::no_contact));
 }
 
-TEST(BiotacSignals, TellsContactFromRest) {
+TEST(BiotacSignals, DistinguishesContactFromRest) {
   const auto signals = biotac_signals(made_up_log(3, 1));
   EXPECT_TRUE(has(signals.flags[60], BiotacFlag::no_contact));
   EXPECT_EQ(biotac_flag_names(signals.flags[210]), "");

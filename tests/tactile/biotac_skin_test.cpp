@@ -74,7 +74,7 @@ TEST(BiotacSkin, KeepsShearWithinFriction) {
   EXPECT_LT(state.force.x(), 1);  // of the 3 N that friction cannot hold
 }
 
-TEST(BiotacSkin, TellsOfContactsBeyondIt) {
+TEST(BiotacSkin, ReportsContactsBeyondIt) {
   const BiotacSkin skin;
   const hand::TipContact beyond{.p = {-0.05, 0, -0.007}, .n = {0, 0, 1}, .f = {0, 0, -1}};
   EXPECT_TRUE(skin.press({&beyond, 1}).off_skin);

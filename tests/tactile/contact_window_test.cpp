@@ -64,7 +64,7 @@ TEST(LastingContacts, UncertaintyIsThatOfTheErrorModel) {
   EXPECT_NEAR(contacts[0].normal_sigma, errors.normal / 5, 1e-6);
 }
 
-TEST(LastingContacts, WhatTheSensorTellsOfItsErrorTakesThePlaceOfTheModels) {
+TEST(LastingContacts, WhatTheSensorReportsOfItsErrorTakesThePlaceOfTheModels) {
   auto window = held(25, 0, 1);
   for (auto& reading : window) {
     reading.contacts[1][0].point_sigma = 0.002;

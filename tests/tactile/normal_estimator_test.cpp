@@ -270,7 +270,7 @@ TEST(S2Smoother, IsBetterThanTheFilterAndSaysOfWhen) {
   }
 }
 
-// A finger that leaves one face and comes down on another tells nothing of the first.
+// A finger that leaves one face and comes down on another has no information on the first.
 TEST(S2Smoother, WhatComesAfterAGapDoesNotTurnWhatWasBefore) {
   SlidingOptions options;
   options.seconds = 2;

@@ -69,7 +69,7 @@ TEST(EpisodeRecording, TheShadowHandStandsAsTheAdroitHandDoes) {
   }
 }
 
-TEST(EpisodeRecording, TellsWhatHappenedAndCanBeReadBack) {
+TEST(EpisodeRecording, ReportsWhatHappenedAndCanBeReadBack) {
   EpisodeOptions episode;
   episode.horizon = 6;
   const auto recording = record_episode(fast(), structured(false), episode, 7, 2);

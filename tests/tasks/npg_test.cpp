@@ -55,7 +55,7 @@ TEST(Npg, AStepStaysWithinItsDivergenceAndImprovesTheSurrogate) {
 }
 
 /// A bound of 10 allows steps so long that the divergence is far above what its curvature at the
-/// start foretells.
+/// start predicts.
 TEST(Npg, AStepThatNoHalvingBringsWithinTheBoundIsNotTaken) {
   const auto model = make_model(fast_task());
   NpgOptions options;

@@ -43,7 +43,7 @@ TEST(MlpPolicy, LooksAtNothingButTheObservation) {
 TEST(Policy, SaysWhatItObserves) {
   const std::vector<std::string> all = {"joint_positions", "object_position", "target_position"};
   EXPECT_EQ(small_network(2).observes(), all);
-  EXPECT_EQ(structured(true).observes(), all);  // its network tells the velocity from one frame
+  EXPECT_EQ(structured(true).observes(), all);  // its network estimates the velocity from one frame
   auto more = all;
   more.emplace_back("base_velocity");
   EXPECT_EQ(structured(false).observes(), more);

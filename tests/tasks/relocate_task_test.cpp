@@ -40,7 +40,7 @@ TEST(RelocateTask, HasTheWristAndThePlaceOfThePublishedHand) {
   EXPECT_DOUBLE_EQ(model.body_pos[3 * arm + 1], -0.7);
 }
 
-TEST(RelocateTask, StartsWhereItIsTold) {
+TEST(RelocateTask, StartsWhereItIsGiven) {
   const RelocateModel model(relocate_primitive_mug());
   RelocateTask task(model);
   task.reset({{-0.06, 0.02}, {0.05, -0.1, 0.2}});
@@ -163,7 +163,7 @@ TEST(RelocateTask, ASparseObservationIsLateAndGoesWithThePalm) {
   const auto at = [](double z) { return Eigen::Vector3d(0, 0, z); };
   SparseObservation seen;
   seen.reset(place, at(0.1), 2);
-  for (int i = 0; i < 4; ++i) seen.update(pushed, at(0.1), 1);  // one finger tells nothing
+  for (int i = 0; i < 4; ++i) seen.update(pushed, at(0.1), 1);  // one finger has no information
   EXPECT_EQ(seen.position(), place);
   seen.update(pushed, at(0.1), 2);
   seen.update(pushed, at(0.1), 2);  // observed, on its way

@@ -79,7 +79,7 @@ TEST(Relocation, TrackingInTheGraspMakesUpForARoughPlace) {
   EXPECT_LT(tracked_error, 0.7 * carried_error);
 }
 
-TEST(Relocation, ExploringTellsThePlace) {
+TEST(Relocation, ExploringEstimatesThePlace) {
   RelocationOptions options;
   options.exploring.touches = options.exploring.max_touches = 6;
   EpisodeOptions episode;

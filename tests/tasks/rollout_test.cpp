@@ -211,7 +211,7 @@ TEST(Rollout, DrawsTheShareOfStartsAtTheEndsThatIsAskedFor) {
   options.at_ends = 0.5;
   int low = 0, high = 0;
   for (std::size_t i = 0; i < 400; ++i) {
-    const double x = episode_start(options, 5, i).object.x();  // tells the scale
+    const double x = episode_start(options, 5, i).object.x();  // gives the scale
     low += x == 0.15 * 0.25 - 0.1;
     high += x == 0.15 * 1.0 - 0.1;
   }

@@ -89,7 +89,7 @@ TEST(Trainer, RolloutsThatOthersRunGiveTheSameSearch) {
     trainer.save(*kept);
   };
   int rounds = 0;
-  std::optional<Metrics> told;
+  std::optional<Metrics> last;
   while (resumed()->iteration() < 3) {
     const auto asker = resumed();
     const auto requests = asker->ask();
@@ -106,12 +106,12 @@ TEST(Trainer, RolloutsThatOthersRunGiveTheSameSearch) {
     few.back().pop_back();
     EXPECT_NE(error_message([&] { resumed()->tell(few); }).find("asked for"), std::string::npos);
     const auto figures_of_round = teller->tell(results);
-    if (figures_of_round) told = figures_of_round;
+    if (figures_of_round) last = figures_of_round;
     keep(*teller);
     ++rounds;
   }
   EXPECT_EQ(rounds, 6);
-  EXPECT_EQ(told, figures);
+  EXPECT_EQ(last, figures);
   EXPECT_EQ(resumed()->policy().arrays, whole->policy().arrays);
   kept->arrays["under_way"] = Eigen::MatrixXd::Constant(6, 2, 4);
   EXPECT_THROW(make_cem_trainer(context(), options)->restore(*kept), BadInput);
@@ -162,7 +162,7 @@ TEST(Trainer, RefusesACheckpointOfImpossibleLayers) {
   }
 }
 
-TEST(Trainer, NpgTellsWhatTheMeanActionEarns) {
+TEST(Trainer, NpgReportsWhatTheMeanActionEarns) {
   NpgOptions options;
   options.trajectories = 2;
   options.evaluation = 3;

@@ -28,7 +28,7 @@ ObserverOptions small_fit() {
   return options;
 }
 
-TEST(VelocityObserver, TellsTheVelocityOfTheBaseFromOneFrame) {
+TEST(VelocityObserver, EstimatesTheVelocityOfTheBaseFromOneFrame) {
   const auto model = fast_model();
   EpisodeOptions episode;
   episode.horizon = 40;

@@ -21,12 +21,14 @@ struct NodeReport {
   std::string refused;  ///< topics of which a sender's QoS offers too little
 };
 
-/// The estimator beside somebody's robot: takes what the hand tells, and tells where the object is.
+/// The estimator beside somebody's robot: reads what the hand publishes, and publishes the object's
+/// pose.
 ///
 /// Every reading is answered with the pose, carried along with the palm since the last estimate
 /// (/palpate/estimate, /tf). Estimates are made by another thread, as often as they are done; each
-/// is told with its modes, weights and markers. /palpate/command takes "start", "stop" (the stream
-/// is then ignored) and "estimate" (forget all, begin anew). Diagnostics come once a second.
+/// is published with its modes, weights and markers. /palpate/command takes "start", "stop" (the
+/// stream is then ignored) and "estimate" (discard all data and start again). Diagnostics come once
+/// a second.
 class EstimatorNode {
  public:
   /// Keeps references to participant, object and hand.
@@ -38,7 +40,7 @@ class EstimatorNode {
   using Observer = std::function<void(const NodeReport&)>;
 
   /// Works until a stop is requested.
-  /// @param observer  told once a second
+  /// @param observer  called once a second
   void run(const std::stop_token& stop, const Observer& observer = {});
 
   NodeReport report() const;

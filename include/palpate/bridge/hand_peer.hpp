@@ -58,7 +58,7 @@ struct HandServerOptions {
 
 /// Makes a hand known to ROS 2: publishes its readings and steps it by the commands that come.
 ///
-/// Without `real_time` the hand waits for commands: it makes one tick for each new stamp, and tells
+/// Without `real_time` the hand waits for commands: it makes one tick for each new stamp, and sends
 /// the last reading again for a stamp that it knows.
 class HandServer {
  public:

@@ -20,14 +20,14 @@ struct WatchReport {
   double pose_latency = 0;  ///< s from the stamp of a reading to its pose here, of the last one
 };
 
-/// Listens to a robot, and to who estimates beside it, and tells it as a recording that comes
+/// Listens to a robot, and to who estimates beside it, and passes it on as a recording that comes
 /// about. It publishes nothing.
 class StreamWatcher {
  public:
   using Observer = std::function<void(const WatchReport&)>;
 
   /// Keeps references to participant, hand and sink.
-  /// @param observer  told once a second
+  /// @param observer  called once a second
   StreamWatcher(Participant& participant, const hand::Description& hand,
                 const ros2::RobotInterface& interface, recording::Sink& sink,
                 Observer observer = {});

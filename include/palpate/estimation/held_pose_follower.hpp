@@ -43,8 +43,8 @@ struct HeldPoseOptions {
 
 /// The pose of what a hand holds, from its readings alone: nothing need be known of how it came
 /// into the hand. Between estimates the object goes with the palm while fingers touch it. Contacts
-/// that stay where they were tell nothing new, for their errors stay, too: a search is made where a
-/// finger touches elsewhere.
+/// that stay where they were add no information, for their errors stay, too: a search is made where
+/// a finger touches elsewhere.
 ///
 /// update() takes microseconds. An estimate takes longer than a tick and may be made by another
 /// thread: task() is what it needs, accept() takes its result, while readings go on.
@@ -55,7 +55,7 @@ class HeldPoseFollower {
     EventLog log;                                  ///< the last readings
     Eigen::Isometry3d T_world_palm;                ///< at the last of them
     std::optional<localization::PosePrior> prior;  ///< in the hand's base
-    std::optional<localization::Posterior> known;  ///< the contacts tell no more; in the world
+    std::optional<localization::Posterior> known;  ///< the contacts add nothing; in the world
     std::uint64_t number = 0, epoch = 0;
   };
 

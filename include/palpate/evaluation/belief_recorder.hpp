@@ -12,14 +12,14 @@
 namespace palpate::evaluation {
 
 /// Works out what is to be believed of the object's pose while a pick goes on, from what the hand
-/// tells and nothing of the truth, in a thread of its own: before the first touch, after each touch
-/// and each guarded move that touched nothing, when the fingers had closed and when the object
-/// hung, and from then on ten times a second by the estimator that runs along.
+/// measures and nothing of the truth, in a thread of its own: before the first touch, after each
+/// touch and each guarded move that touched nothing, when the fingers had closed and when the
+/// object hung, and from then on ten times a second by the estimator that runs along.
 ///
 /// The pick is not changed by it, and the result does not depend on how fast either is.
 class BeliefRecorder : public recording::Sink {
  public:
-  /// Told of each belief, in the order of time, in the recorder's thread.
+  /// Called with each belief, in the order of time, in the recorder's thread.
   using Observer = std::function<void(const recording::BeliefRecord&)>;
 
   struct Options {
@@ -41,7 +41,7 @@ class BeliefRecorder : public recording::Sink {
   void estimate(const recording::EstimateRecord&) override {}
   void belief(const recording::BeliefRecord&) override {}
 
-  /// Waits for all that has been told so far, after which it may be told nothing.
+  /// Waits until all that was given so far is processed; nothing may be given after that.
   std::vector<recording::BeliefRecord> finish();
 
  private:

@@ -79,12 +79,12 @@ struct TrialId {
   std::size_t object, number;
 };
 
-/// What an evaluation asks and tells; what is empty is left out. `trial` and `object` are called in
+/// The callbacks of an evaluation; what is empty is left out. `trial` and `object` are called in
 /// the order of objects and numbers, one at a time; the others by any thread.
 struct EvaluationHooks {
   /// A trial that was finished before; nothing if it is to be run.
   std::function<std::optional<Trial>(TrialId)> finished = {};
-  /// Who is told of a trial while it runs; none: nobody.
+  /// Receives the recording of a trial while it runs; none: nothing does.
   std::function<std::shared_ptr<recording::Sink>(TrialId)> sink = {};
   std::function<void(TrialId, const Trial&)> trial = {};  ///< one has finished
   /// All trials of one have.

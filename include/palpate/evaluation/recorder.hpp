@@ -13,7 +13,7 @@ class Recorder {
   Recorder(recording::Sink* sink, const simulation::World& world) : sink_(sink), world_(world) {}
 
   void frame(const hand::HandReading& reading, const hand::HandCommand& command);
-  void mark(estimation::TouchEvent event);
+  void event(estimation::TouchEvent event);
   /// Notes the credible poses of the resting object, for the page.
   void posterior(const localization::Posterior& posterior);
   void estimate(double time, const estimation::HeldPoseEstimate& estimate);

@@ -19,7 +19,7 @@ double greatest_press(const hand::Description& hand);
 /// m, the least distance through an object that lies on the table, from a point of its surface that
 /// looks more to the side than up or down to the opposite one along the normal, over all stable
 /// poses.
-double least_width(const geometry::KnownObject& object);
+double min_width(const geometry::KnownObject& object);
 
 /// Why a hand cannot hold an object, wherever it grasps it from above.
 ///

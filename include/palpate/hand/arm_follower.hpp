@@ -8,7 +8,7 @@
 
 namespace palpate::hand {
 
-/// Turns what the mount of a hand is told into what an arm's joints are told, tick by tick: by
+/// Converts commands for the mount of a hand into commands for an arm's joints, tick by tick: by
 /// inverse kinematics from the joints of the tick before, within the joints' ranges, speeds and
 /// accelerations. The one place where these limits are applied.
 class ArmFollower {
@@ -16,7 +16,7 @@ class ArmFollower {
   explicit ArmFollower(ArmDescription arm) : arm_(std::move(arm)) {}
 
   [[nodiscard]] const ArmDescription& arm() const { return arm_; }
-  /// The joints as they were told last.
+  /// The joints as last commanded.
   [[nodiscard]] const ArmVector& joints() const { return joints_; }
 
   /// Starts at a pose of the mount, in the branch of the inverse kinematics from which most of the
@@ -28,7 +28,7 @@ class ArmFollower {
   /// The joints for the next tick. Where the arm cannot follow, it comes as near as it can.
   const ArmVector& follow(const Eigen::Isometry3d& T_world_mount);
 
-  /// Whether the arm can follow a way that starts where it is told to be, one position a tick.
+  /// Whether the arm can follow a way that starts where it is commanded to be, one position a tick.
   [[nodiscard]] PathFeasibility check_path(std::span<const BasePosition> way) const;
 
  private:
@@ -36,7 +36,7 @@ class ArmFollower {
 
   ArmDescription arm_;
   ArmVector wanted_;           // for the mount's pose
-  ArmVector joints_, speeds_;  // as told
+  ArmVector joints_, speeds_;  // as commanded
 };
 
 /// A tour through the attitudes in which skills use a hand: each from all sides, above the

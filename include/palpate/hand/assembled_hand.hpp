@@ -70,7 +70,7 @@ struct AnswerLimits {
 /// A hand whose parts are connected by themselves: the fingers, an arm that carries them, sensors
 /// at their tips.
 ///
-/// In a tick the arm is told its target, then the fingers make their step, which lasts the tick,
+/// In a tick the arm is given its target, then the fingers make their step, which lasts the tick,
 /// then arm and sensors are read. What the fingers say of the base gives way to the arm, what they
 /// say of a fingertip's contacts to the sensors on it. While a part has nothing newer, the time of
 /// the last reading is repeated.

@@ -68,7 +68,7 @@ struct FaultSchedule {
 
 /// Another hand with a fault: what it reads, or does, is spoilt from a time on.
 ///
-/// For tests and campaigns. It also measures what the other hand truly bore, whatever it told.
+/// For tests and campaigns. It also measures what the other hand truly bore, whatever it reported.
 class FaultyHand : public Hand {
  public:
   /// @param hand  must outlive this

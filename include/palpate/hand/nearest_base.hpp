@@ -6,7 +6,7 @@
 namespace palpate::hand {
 
 /// Of all yaws, pitches and rolls (rad) that make a pose, those nearest to given ones: a mount
-/// whose angles are unbounded does not swing round where only the pose is told. Where the pitch is
+/// whose angles are unbounded does not swing round where only the pose is given. Where the pitch is
 /// a quarter turn, yaw and roll share what they make together evenly.
 BasePosition nearest_base(const Eigen::Isometry3d& T_world_base, const BasePosition& near);
 

@@ -9,8 +9,8 @@
 
 namespace palpate::hand {
 
-/// Tells whether a hand can take a posture without its fingers pressing on one another or on the
-/// palm: no links come within 2 mm of each other that do not in a posture which it can take.
+/// Determines whether a hand can take a posture without its fingers pressing on one another or on
+/// the palm: no links come within 2 mm of each other that do not in a posture which it can take.
 class SelfClearance {
  public:
   /// Keeps a reference: the hand must outlive it.

@@ -61,8 +61,8 @@ struct CommonModeBias {
   std::vector<Member> members;
 };
 
-/// The object is at rest in the hand: pushes and weight have no moment. It tells where the centre
-/// of mass is across the weight.
+/// The object is at rest in the hand: pushes and weight have no moment. That determines where the
+/// centre of mass is across the weight.
 struct ForceBalance {
   /// What one contact does to the object.
   struct Push {

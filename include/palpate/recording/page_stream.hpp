@@ -10,8 +10,8 @@
 
 namespace palpate::recording {
 
-/// A recording as the replay page is told of it while it comes about: one line of JSON for each
-/// new thing, for viewer/live.js.
+/// A recording as it is sent to the replay page while it comes about: one line of JSON for each new
+/// thing, for viewer/live.js.
 ///
 /// Frames are thinned; everything else is passed on. Any thread may call it.
 class PageStream : public Sink {

@@ -55,7 +55,7 @@ struct Event {
   std::string text;
 };
 
-/// Rotations about a line, by -extent..+extent (rad), that the estimate cannot tell apart.
+/// Rotations about a line, by -extent..+extent (rad), that the estimate cannot distinguish.
 struct FreeAxisRecord {
   Eigen::Vector3d point;      ///< on the line, in the world, m
   Eigen::Vector3d direction;  ///< unit

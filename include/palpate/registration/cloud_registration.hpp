@@ -55,7 +55,7 @@ struct CloudOptions {
 };
 
 /// Contradiction of two clouds above which there is no pose.
-inline constexpr double kMostContradiction = 0.1;
+inline constexpr double kMaxContradiction = 0.1;
 
 struct CloudRegistration {
   RegistrationResult result;        ///< inliers and weights speak of `correspondences`
@@ -94,7 +94,7 @@ CloudRegistration register_clouds(const geometry::PointView& source,
                                   const CloudOptions& options = {});
 
 /// The same for clouds with features of any kind, one column a point, that are nearest for like
-/// places; both of the same voxel. Mirrored clouds are told from others by FPFH alone.
+/// places; both of the same voxel. FPFH alone distinguishes mirrored clouds from others.
 /// @param voxel  m, distance between the points
 /// @throws BadInput also for another number of features or normals than points, an unknown scale
 ///         and instances

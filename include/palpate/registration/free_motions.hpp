@@ -22,7 +22,7 @@ struct FreeMotion {
 /// "rotation", "translation", "screw" or "scaling", where the scale is unknown, too.
 std::string_view to_string(FreeMotion::Kind kind);
 
-/// What residuals tell of a motion about their centre.
+/// What residuals determine of a motion about their centre.
 struct CentredInformation {
   Matrix6d information = Matrix6d::Zero();           ///< J'WJ of twists [w; v] about the centre
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< m, target frame
@@ -31,8 +31,8 @@ struct CentredInformation {
   double weight_sum = 0;
 };
 
-/// Tells of turns that are not allowed as if each had the whole information: what is free after it
-/// is free among the others.
+/// Treats turns that are not allowed as if each had the whole information: what is free after it is
+/// free among the others.
 void exclude_turns(CentredInformation& about, const Eigen::Matrix3d& excluded);
 
 /// Directions of motion that are free: those with less than `tolerance` of the information that one

@@ -11,7 +11,7 @@
 
 namespace palpate::registration {
 
-/// How inliers are told from outliers.
+/// How inliers are distinguished from outliers.
 enum class Method {
   kCliqueGnc,  ///< cliques of the consistency graph, GNC on those whose pairs do not all agree,
                ///< refined on all correspondences

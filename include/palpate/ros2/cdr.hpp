@@ -77,18 +77,18 @@ class CdrWriter {
 
 /// Bytes that a value has at least in CDR, without padding.
 template <class T>
-std::size_t least_cdr_size() {
+std::size_t min_cdr_size() {
   if constexpr (CdrScalar<T>) {
     return sizeof(T);
   } else if constexpr (Message<T>) {
     std::size_t sum = 0;
     const T empty;
     T::fields(empty, [&](std::string_view, const auto& value) {
-      sum += least_cdr_size<std::remove_cvref_t<decltype(value)>>();
+      sum += min_cdr_size<std::remove_cvref_t<decltype(value)>>();
     });
     return sum;
   } else if constexpr (requires { std::tuple_size<T>::value; }) {
-    return std::tuple_size_v<T> * least_cdr_size<typename T::value_type>();
+    return std::tuple_size_v<T> * min_cdr_size<typename T::value_type>();
   } else {
     return sizeof(std::uint32_t);
   }
@@ -114,7 +114,7 @@ class CdrReader {
   void get(std::string& text);
   template <class T>
   void get(std::vector<T>& values) {
-    static const std::size_t least = least_cdr_size<T>();
+    static const std::size_t least = min_cdr_size<T>();
     values.resize(length(least));
     if constexpr (CdrScalar<T>) {
       if (values.empty()) return;

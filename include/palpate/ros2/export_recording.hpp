@@ -12,9 +12,10 @@ namespace palpate::ros2 {
 /// Name of the metadata of an exported file: object, hand, seed, program_version, config_toml.
 inline constexpr const char* kMetadata = "palpate";
 
-/// Writes a recording as an MCAP file of ROS 2: what the hand told, as messages_of() has it, and
-/// below RobotInterface::palpate the estimates (estimate, modes, mode_weights, status, markers),
-/// the object's mesh (object) and the events (events). Of the truth the file holds nothing.
+/// Writes a recording as an MCAP file of ROS 2: what the hand reported, as messages_of() has it,
+/// and below RobotInterface::palpate the estimates (estimate, modes, mode_weights, status,
+/// markers), the object's mesh (object) and the events (events). Of the truth the file holds
+/// nothing.
 /// @param chunk_size  as McapWriter has it
 /// @return messages written
 /// @throws BadInput if the file cannot be written

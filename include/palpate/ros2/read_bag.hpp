@@ -11,7 +11,7 @@
 
 namespace palpate::ros2 {
 
-/// What a file of messages tells of a hand.
+/// What a file of messages holds of a hand.
 struct Bag {
   std::vector<hand::HandReading> readings;  ///< one a tick; time from the first one; where the
                                             ///< clock was set back, those after it

@@ -22,7 +22,7 @@ struct StreamCounts {
   std::uint64_t malformed = 0;     ///< could not be read, or of values that cannot be: dropped
   std::uint64_t out_of_order = 0;  ///< older than one of the same kind before it: dropped
   std::uint64_t gaps = 0;          ///< of the joint states, longer than StreamOptions::max_age
-  std::uint64_t blind = 0;         ///< joint states without a place of the mount or all joints
+  std::uint64_t incomplete = 0;    ///< joint states without a place of the mount or all joints
   std::uint64_t restarts = 0;      ///< the clock of the joint states was set back
   std::uint64_t readings = 0;      ///< made of all that
   std::string last_error;          ///< the latest message of a malformed one

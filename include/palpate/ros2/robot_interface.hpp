@@ -22,15 +22,15 @@ struct RobotInterface {
   std::string palpate = "/palpate";              ///< before the topics that the estimator writes
   bool best_effort = false;  ///< takes sensor data of senders that send nothing twice, too
 
-  /// Where a finger's contacts are told. Characters that no topic may hold become "_".
+  /// Where a finger's contacts are published. Characters that no topic may hold become "_".
   [[nodiscard]] std::string contacts_of(const hand::Finger& finger) const {
     return topic_of(contacts, finger);
   }
-  /// Where the wrench on a fingertip is told, in the place of its contacts.
+  /// Where the wrench on a fingertip is published, in the place of its contacts.
   [[nodiscard]] std::string fingertip_wrench_of(const hand::Finger& finger) const {
     return topic_of(fingertip_wrenches, finger);
   }
-  /// Where the raw values of a finger's taxels are told, in the place of its contacts.
+  /// Where the raw values of a finger's taxels are published, in the place of its contacts.
   [[nodiscard]] std::string taxels_of(const hand::Finger& finger) const {
     return topic_of(taxels, finger);
   }

@@ -44,7 +44,7 @@ PointCloud2 cloud_of(const std::vector<hand::TipContact>& contacts, const Header
 ///         than 10000 points, or with values beyond what can be
 std::vector<hand::TipContact> contacts_of(const PointCloud2& cloud);
 
-/// What a hand tells of one reading.
+/// What a hand publishes of one reading.
 struct ReadingMessages {
   JointState joints;                  ///< positions of the joints
   JointState actuators;               ///< positions of the actuators, with their torques as effort
@@ -55,7 +55,7 @@ struct ReadingMessages {
 ReadingMessages messages_of(const hand::HandReading& reading, const hand::Description& hand,
                             const RobotInterface& interface, std::uint64_t time);
 
-/// What an estimator tells. A posterior without modes has no pose.
+/// What an estimator publishes. A posterior without modes has no pose.
 struct EstimateMessages {
   std::vector<PoseWithCovarianceStamped> pose;  ///< of the heaviest mode; one, or none
   PoseArray modes;                              ///< heaviest first

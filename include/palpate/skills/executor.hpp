@@ -81,8 +81,8 @@ class Executor {
   const hand::Description& model() const { return model_; }
   /// The hand is known better now.
   void set_model(const hand::Description& model) { model_ = model; }
-  /// The table has been found here: from now on all is told and read in a world whose z = 0 is the
-  /// table at the origin; its tilt is in the log.
+  /// The table has been found here: from now on all is commanded and read in a world whose z = 0 is
+  /// the table at the origin; its tilt is in the log.
   void set_table(const Eigen::Isometry3d& T_world_table);
   /// From now on loads are read without this.
   void set_load_error(const LoadError& error) { load_error_ = error; }
@@ -131,8 +131,8 @@ class Executor {
   /// Motions end with timed_out once this time (s) has come.
   void set_deadline(double time) { deadline_ = time; }
 
-  /// Remembers the present reading under a name that the estimator looks for.
-  void mark(estimation::TouchEvent event);
+  /// Records an event at the present reading, for the estimator.
+  void add_event(estimation::TouchEvent event);
 
   /// Shows the observer where the resting object may be, by the touches so far; in the world.
   void show(const localization::Posterior& posterior) const;
@@ -143,7 +143,7 @@ class Executor {
   /// Stays for `seconds`, or until `stop`.
   MotionEnd wait(double seconds, const StopCondition& stop = {});
 
-  /// Why the mount cannot be brought there from where it is told to be; empty: it can.
+  /// Why the mount cannot be brought there from where it is commanded to be; empty: it can.
   [[nodiscard]] std::string obstacle(const hand::BasePosition& target) const;
 
   /// Moves the base on a straight line (m/s; it turns along in proportion), until there or `stop`.
@@ -179,7 +179,7 @@ class Executor {
   Observer observer_;
   const ModelFactory* models_;
   estimation::EventLog log_;
-  double table_height_ = 0;  ///< m, of the table in the world as the hand is told it
+  double table_height_ = 0;  ///< m, of the table in the world of the hand's commands
   LoadError load_error_;
   std::optional<Grip> grip_;
   double deadline_;

@@ -44,7 +44,7 @@ struct PickState {
   double held_load = 0;                            ///< weight measured after the lift, N
   estimation::HeldPoseEstimate estimate;           ///< of the held object, in the world
   std::optional<estimation::Tracked> tracked;      ///< how it went from the closed hand on
-  std::optional<grasping::GraspPlan> next_grasp;   ///< that is to tell what this one has left open
+  std::optional<grasping::GraspPlan> next_grasp;   ///< that is to resolve what this one left open
 };
 
 /// A step of a pick. Its success test sees only what the hand sensed.

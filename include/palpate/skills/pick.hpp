@@ -56,7 +56,7 @@ struct PickResult {
   /// Which candidate the estimate is of, and the probabilities of all; of one alone, 1.
   localization::ObjectProbabilities objects;
   int attempts = 0;
-  int regrasps = 0;     ///< from other sides, to tell poses apart
+  int regrasps = 0;     ///< from other sides, to distinguish poses
   bool fallen = false;  ///< before this grasp, or an attempt failed: it may rest in no stable pose
   std::string failed_phase;          ///< of the last attempt; empty if all went well
   std::size_t limited_commands = 0;  ///< that a limit of SafetyOptions changed, of the robot so far
@@ -66,7 +66,7 @@ struct PickResult {
   std::optional<localization::Posterior> resting;  ///< pose before the last grasp, in the world
   std::optional<estimation::HeldPoseEstimate>
       before_probe;  ///< in the closed hand, still on the table
-  std::optional<estimation::HeldPoseEstimate> before_lift;  ///< there, with what probing told
+  std::optional<estimation::HeldPoseEstimate> before_lift;  ///< there, with what palpation added
   std::optional<estimation::Tracked> tracked;               ///< from there through the lift
   estimation::HeldPoseEstimate estimate;  ///< of what is held; without modes where nothing is
 };
@@ -83,7 +83,7 @@ struct PhaseObserver {
 
 /// The main job (thesis chapter 1): calibrate the hand, once a robot; measure how tall the object
 /// is, grasp it by touch, lift it, and estimate its pose in the hand, touching more of it while the
-/// pose is in doubt and that tells something. A grasp that fails is tried again from another side.
+/// pose is in doubt and that is informative. A grasp that fails is tried again from another side.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin, or
 /// PickOptions::fallen_at

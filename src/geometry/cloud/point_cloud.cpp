@@ -116,7 +116,7 @@ class CellCounter {
 /// @param cell  at least a thousandth of the box's diagonal
 double cell_from(const PointView& cloud, std::size_t stride, const Eigen::Vector3d& low,
                  std::size_t most, double cell) {
-  constexpr double kLeastStep = 1.02;
+  constexpr double kMinStep = 1.02;
   CellCounter cells(cloud.size() / stride + 1);
   for (;;) {
     cells.clear();
@@ -126,7 +126,7 @@ double cell_from(const PointView& cloud, std::size_t stride, const Eigen::Vector
     if (cells.count() <= most) return cell;
     // A surface: the number falls with the square of the cell.
     const double excess = static_cast<double>(cells.count()) / static_cast<double>(most);
-    cell *= std::max(kLeastStep, std::sqrt(excess));
+    cell *= std::max(kMinStep, std::sqrt(excess));
   }
 }
 

@@ -11,7 +11,7 @@ namespace palpate::geometry {
 namespace {
 
 constexpr std::size_t kHeader = 80, kPrefix = kHeader + 4, kFacet = 50;
-constexpr std::size_t kNormal = 12;  // bytes of a facet's normal, which its winding already tells
+constexpr std::size_t kNormal = 12;  // bytes of a facet's normal, which its winding determines
 
 std::size_t stated_triangles(std::string_view content) {
   return read_value<std::uint32_t>(content.substr(kHeader));

@@ -8,7 +8,7 @@
 namespace palpate::geometry {
 
 /// How far a rotated surface may lie from the original for the rotation to keep the shape, m.
-/// The quantile near 1 is what tells a mug from a beaker: its handle is 4 % of the surface.
+/// The quantile near 1 is what distinguishes a mug from a beaker: its handle is 4 % of the surface.
 struct SymmetryTolerance {
   double mean = 1.0e-3;
   double quantile_95 = 2.1e-3;

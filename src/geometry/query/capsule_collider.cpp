@@ -123,7 +123,7 @@ void CapsuleCollider::Surface::resolve_end(const Capsule& capsule, const Eigen::
   const double length = nearest->length();
   double side = 1;
   if (length > kOnSurface && (nearest->p - nearest->q).dot(pseudonormal(*nearest)) < 0) {
-    // Pseudonormals of slivers are sometimes wrong: only rays tell for sure.
+    // Pseudonormals of slivers are sometimes wrong: only rays decide for sure.
     side = query.inside(end) ? -1 : 1;
     Candidate out = *nearest;
     out.normal = side * (out.p - out.q) / length;
@@ -162,7 +162,7 @@ void CapsuleCollider::Surface::erase_seen_from_behind(double radius,
 }
 
 /// Whether the surface around q is a plane along the axis: then the axis is as close all along,
-/// until it or the plane ends, and those places tell more.
+/// until it or the plane ends, and those places are more informative.
 bool CapsuleCollider::Surface::is_flat(const Candidate& c) const {
   const auto faces_p = [&](int triangle) {
     return normals.at(triangle, Feature::kFace).dot(c.normal) > 1 - kFlat;

@@ -34,7 +34,7 @@ struct Bound {
 };
 
 /// Closest points of the axis' interior and an edge (Ericson, Real-Time Collision Detection, 2004,
-/// 5.1.9); none if the axis is closest with an end, or parallel, which its ends tell.
+/// 5.1.9); none if the axis is closest with an end, or parallel, which its ends show.
 std::optional<Candidate> axis_to_edge(const Capsule& capsule, const Corners& t, int k);
 
 Bound bound_of(const Corners& t);

@@ -50,7 +50,7 @@ class PassingBalls {
       const double distance = field().distance(p.cast<float>());
       const double near = balls_[i].radius + margin_;
       if (distance < field().beyond() && distance < near) return true;
-      clear_until_[i] = way + least_distance(p, distance) - near - kFieldError;
+      clear_until_[i] = way + min_distance(p, distance) - near - kFieldError;
     }
     return false;
   }
@@ -59,7 +59,7 @@ class PassingBalls {
   [[nodiscard]] const geometry::DistanceField& field() const { return object_.field(); }
 
   /// Of p from the object, by the field's distance there.
-  [[nodiscard]] double least_distance(const Eigen::Vector3d& p, double distance) const {
+  [[nodiscard]] double min_distance(const Eigen::Vector3d& p, double distance) const {
     if (distance < field().beyond()) return distance - kFieldError;
     return object_.bounds().cast<double>().exteriorDistance(p);
   }

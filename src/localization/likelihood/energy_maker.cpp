@@ -15,7 +15,7 @@ namespace {
 /// Of a prior that no contact can overrule: the floor holds nearly everywhere, so without contacts
 /// most of the mass would be on it.
 constexpr double kUncontestedFloor = 1e-12;
-constexpr double kLeastSigma = 1e-5;  // m, of a point: what is less does not lengthen the search
+constexpr double kMinSigma = 1e-5;  // m, of a point: what is less does not lengthen the search
 
 }  // namespace
 
@@ -34,7 +34,7 @@ EnergyMaker::EnergyMaker(const geometry::ObjectModel& model, const Evidence& evi
 double EnergyMaker::first_scale() const {
   double first = default_first_scale_;
   for (const tactile::Contact& contact : evidence_.contacts) {
-    first = std::max(first, first_point_sigma_ / std::max(contact.point_sigma, kLeastSigma));
+    first = std::max(first, first_point_sigma_ / std::max(contact.point_sigma, kMinSigma));
   }
   return first;
 }
@@ -53,7 +53,7 @@ Evidence EnergyMaker::widened(double scale) const {
 
 Energy EnergyMaker::operator()(double scale) const {
   const double usual = std::min(scale, default_first_scale_);
-  Energy energy;  // cheap and telling terms first
+  Energy energy;  // cheap and informative terms first
   if (prior_) {
     const double floor = evidence_.contacts.empty() ? kUncontestedFloor : evidence_.prior->floor;
     energy.add(std::make_unique<PriorTerm>(prior_, floor));

@@ -15,10 +15,10 @@ constexpr std::size_t kCandidates = 100;  // centres tried for a ball
 constexpr double kEnoughHeld = 0.97, kWorthListing = 0.004;
 /// Of the poses about which a mode is centred: most of a ball.
 constexpr PoseTolerance kCore{3.5 * std::numbers::pi / 180, 0.007};
-constexpr int kCoreSteps = 4;        // of shifting a centre to the mean of the poses about it
-constexpr double kCoreShare = 0.9;   // of the poses in the ball that must be about its core, too
-constexpr double kLeastCount = 0.5;  // of poses like a mode that is reported, at least
-constexpr double kAxisGain = 1.5;    // times a ball's poses that a free axis must hold
+constexpr int kCoreSteps = 4;       // of shifting a centre to the mean of the poses about it
+constexpr double kCoreShare = 0.9;  // of the poses in the ball that must be about its core, too
+constexpr double kMinCount = 0.5;   // of poses like a mode that is reported, at least
+constexpr double kAxisGain = 1.5;   // times a ball's poses that a free axis must hold
 
 using Poses = std::vector<PosePoint>;
 
@@ -160,7 +160,7 @@ std::vector<Mode> find_modes(const Poses& chosen_on, const Poses& weighed_on,
   }
   make_decreasing(modes);
   while (modes.size() > 1 && modes.back().weight <= 0) modes.pop_back();
-  const double least = kLeastCount / static_cast<double>(weighed_on.size());
+  const double least = kMinCount / static_cast<double>(weighed_on.size());
   if (!modes.empty()) modes.front().weight = std::max(modes.front().weight, least);
   return modes;
 }

@@ -27,8 +27,8 @@ Eigen::Vector3d axis_of(const hand::Description& hand, const hand::Actuator& act
   return Eigen::Vector3d::Zero();
 }
 
-/// Which way an actuator whose range does not tell closes its finger: towards the thumb's tip; that
-/// of a thumb towards the middle of the others. All else is straight.
+/// Which way an actuator whose range does not determine it closes its finger: towards the thumb's
+/// tip; that of a thumb towards the middle of the others. All else is straight.
 double towards_others(const hand::Description& hand, int actuator) {
   hand::ActuatorVector positions(hand.actuator_count());
   for (int i = 0; i < hand.actuator_count(); ++i) {
@@ -72,7 +72,7 @@ std::vector<Eigen::Vector3d> fingertips(const hand::Description& hand,
   return tips;
 }
 
-bool ranges_tell_closing(const hand::Description& hand) {
+bool ranges_determine_closing(const hand::Description& hand) {
   std::vector<bool> has_closing(static_cast<std::size_t>(hand.finger_count()));
   for (const hand::Actuator& one : hand.actuators) {
     if (one.finger >= 0 && one.closing != 0)

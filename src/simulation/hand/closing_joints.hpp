@@ -13,7 +13,7 @@ std::vector<Eigen::Vector3d> fingertips(const hand::Description& hand,
                                         const hand::ActuatorVector& positions);
 
 /// Whether every finger has an actuator whose range goes mainly one way, by which it closes.
-bool ranges_tell_closing(const hand::Description& hand);
+bool ranges_determine_closing(const hand::Description& hand);
 
 /// Every finger's last actuator closes it, and those before that turn about an axis like its. Of a
 /// thumb the last two at most do; those before set it against the fingers. They close the way that

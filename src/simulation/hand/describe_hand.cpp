@@ -82,7 +82,7 @@ class Describer {
     measure(anatomy, *model);
     check_size(hand());
     find_thumb();
-    if (!ranges_tell_closing(hand())) set_closing();
+    if (!ranges_determine_closing(hand())) set_closing();
     place_mount();
     set_closing();
     set_gains(*model);

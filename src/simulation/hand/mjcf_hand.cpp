@@ -106,7 +106,7 @@ double MjcfHand::share_of_link(const HandPoint& point) const {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (int i = 0; i < count; ++i) center += middle(model, first + i) / count;
   if (count == 0 || center.norm() == 0) {
-    throw BadInput(fmt::format("the link of '{}' has no shape: no telling its end", point.name));
+    throw BadInput(fmt::format("the link of '{}' has no shape: its end is unknown", point.name));
   }
   const Eigen::Vector3d along = center.normalized();
   double end = 0;

@@ -13,8 +13,8 @@ namespace palpate::simulation {
 namespace {
 
 // A triangle may turn by this much when a corner of it moves, or it would fold over.
-constexpr double kLeastCosine = 0.2;
-constexpr std::size_t kLeastTriangles = 4;
+constexpr double kMinCosine = 0.2;
+constexpr std::size_t kMinTriangles = 4;
 
 /// Mean squared distance to planes, weighted by the areas of the triangles that lie in them.
 struct Quadric {
@@ -57,7 +57,7 @@ class Decimation {
   }
 
   void reduce_to(std::size_t triangles, double cost) {
-    while (left_ > std::max(triangles, kLeastTriangles) && !queue_.empty()) {
+    while (left_ > std::max(triangles, kMinTriangles) && !queue_.empty()) {
       const Collapse next = queue_.top();
       queue_.pop();
       if (next.cost > cost) return;
@@ -148,7 +148,7 @@ class Decimation {
       const Eigen::Vector3d before = area_vector(triangle);
       std::ranges::replace(triangle, c.from, c.onto);
       const Eigen::Vector3d after = area_vector(triangle);
-      return before.dot(after) > kLeastCosine * before.norm() * after.norm();
+      return before.dot(after) > kMinCosine * before.norm() * after.norm();
     });
   }
 

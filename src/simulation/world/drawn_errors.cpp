@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::array<double, 2> kWavelengths = {0.03, 0.12};  // m, of dents
 constexpr int kWaves = 12;
-constexpr double kLeastFriction = 0.05;
+constexpr double kMinFriction = 0.05;
 
 double up_to(double most, RandomStream& random) { return random.uniform(-most, most); }
 
@@ -134,7 +134,7 @@ WorldOptions with_drawn_friction(WorldOptions options, const RandomStream& rando
   if (options.error.friction == 0) return options;
   RandomStream draw = random.fork("friction");
   for (double* friction : {&options.hand_friction, &options.table_friction}) {
-    *friction = std::max(kLeastFriction, *friction + up_to(options.error.friction, draw));
+    *friction = std::max(kMinFriction, *friction + up_to(options.error.friction, draw));
   }
   return options;
 }

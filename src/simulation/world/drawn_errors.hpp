@@ -16,11 +16,11 @@ struct SolidObject {
   std::vector<geometry::TriangleMesh> parts;
 };
 
-/// The object as it was told.
+/// The object as it was given.
 SolidObject believed_object(const geometry::KnownObject& known);
 
-/// The object where it is not as it was told: of another size, dented, of another mass. Its frame,
-/// stable poses and symmetries are those that were told.
+/// The object where it is not as it was given: of another size, dented, of another mass. Its frame,
+/// stable poses and symmetries are those that were given.
 SolidObject differing_object(const geometry::KnownObject& known, const WorldErrors& error,
                              const RandomStream& random);
 
@@ -30,7 +30,7 @@ WorldOptions with_drawn_friction(WorldOptions options, const RandomStream& rando
 /// Attitude of the table.
 Eigen::Matrix3d drawn_tilt(const WorldErrors& error, const RandomStream& random);
 
-/// The hand as the robot is told that it is: its links are off, and so is where the arm carries it.
+/// The hand as the robot is given it: its links are off, and so is where the arm carries it.
 hand::Description believed_hand(hand::Description hand, const WorldOptions& options,
                                 const RandomStream& random);
 

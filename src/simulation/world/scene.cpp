@@ -260,7 +260,7 @@ void add_object(mjSpec& spec, const SolidObject& solid, const WorldOptions& opti
   }
 }
 
-/// A box, which the robot is not told of.
+/// A box, which the robot does not know of.
 void add_second_object(mjSpec& spec, double friction) {
   mjsBody* body = mjs_addBody(mjs_findBody(&spec, "world"), nullptr);
   mjs_setName(body->element, kSecond);

@@ -17,7 +17,8 @@ class SensorErrors {
   SensorErrors(const WorldOptions& options, const hand::Description& hand, double weight,
                const RandomStream& random);
 
-  /// Where the base comes that the arm is told to bring there: it does not know the table's height.
+  /// Where the base comes that the arm is commanded to move there: it does not know the table's
+  /// height.
   [[nodiscard]] hand::BasePosition in_world(hand::BasePosition base) const;
 
   /// Makes a reading of the true load and torques, the true base and joints into what is read.

@@ -70,15 +70,15 @@ void SimulatedHand::apply(const hand::HandCommand& command) {
 
 void SimulatedHand::carry_to(const hand::BasePosition& base) {
   commanded_ = base;
-  const auto tell = [&](const auto& positions) {
+  const auto command = [&](const auto& positions) {
     for (Index i = 0; i < scene_.base_actuators.size(); ++i) {
       data_.ctrl[scene_.base_actuators[i]] = positions[static_cast<int>(i)];
     }
   };
   if (follower_) {
-    tell(follower_->follow(base.pose()));
+    command(follower_->follow(base.pose()));
   } else {
-    tell(base_vector(base));
+    command(base_vector(base));
   }
 }
 
@@ -193,7 +193,7 @@ hand::HandReading SimulatedHand::read() {
   return reading;
 }
 
-/// Of a floating base its drives tell; of an arm the encoders, and a sensor at the flange.
+/// Of a floating base its drives report; of an arm the encoders, and a sensor at the flange.
 void SimulatedHand::read_base(hand::HandReading& reading) {
   if (follower_) {
     hand::ArmVector joints(follower_->arm().joint_count());

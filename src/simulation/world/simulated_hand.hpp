@@ -40,7 +40,7 @@ class SimulatedHand : public hand::Hand {
   /// The object moves at this velocity (m/s, world), whatever holds it, from now on.
   void push_object(const Eigen::Vector3d& velocity, double seconds);
 
-  /// Tells of every step of the physics; an empty observer ends that.
+  /// Calls the observer after every step of the physics; an empty one ends that.
   void observe(StepObserver observer) { observer_ = std::move(observer); }
 
  private:

@@ -26,7 +26,7 @@ constexpr double kSettling = 0.1;       // s
 constexpr double kLastingShare = 0.8;   // of the readings in which a resting fingertip touches
 constexpr double kSecondsATouch = 8;    // amply
 constexpr int kLoadAttitudes = 10;      // in which the load of the hand alone is read
-constexpr int kNumbTouches = 3;  // in a row that a fingertip must miss to be believed no more
+constexpr int kInsensitiveTouches = 3;  // in a row that a tip must miss to be believed no more
 constexpr double kContradiction = 3.0;  // sigmas, rms, that touches leave unexplained
 
 /// Lets the fingertip rest where it touches, no longer pushed on.
@@ -35,13 +35,13 @@ void rest(Executor& robot, const CalibrateOptions& options) {
   here.xyz += kLeadTakenBack * (robot.reading().base.xyz - here.xyz);  // it would push on
   robot.move_base(here, options.speed);
   robot.wait(kSettling + options.rest);
-  robot.mark(estimation::TouchEvent::on_table);
+  robot.add_event(estimation::TouchEvent::on_table);
 }
 
-/// Of each fingertip: touches of the table in a row of which only the mount's load told.
+/// Of each fingertip: touches of the table in a row that only the mount's load showed.
 using UnsensedTouches = hand::PerFinger<int>;
 
-/// What the touches so far have told of the table and of the sensor of the mount's load.
+/// The estimates from the touches so far of the table and of the sensor of the mount's load.
 struct TableSearch {
   UnsensedTouches unsensed{};
   std::optional<double> height;  ///< where the last touch found the table, m
@@ -53,19 +53,19 @@ void touch_table(Executor& robot, const CalibrationTouch& touch, const Calibrate
                  TableSearch& search) {
   take_attitude(robot, touch, options);
   const double reach = search.height ? kSearchReach : kFirstReach;
-  const double seat = search.height.value_or(0) - lowest(robot.model(), touch);
-  robot.move_base(touch.base(options, seat + reach), options.travel_speed);
+  const double contact_height = search.height.value_or(0) - lowest(robot.model(), touch);
+  robot.move_base(touch.base(options, contact_height + reach), options.travel_speed);
   if (search.next_load-- == 0) {
     search.load.add(robot.command().base, robot.steady_load());
     search.next_load = options.touches / kLoadAttitudes;
   } else {
     robot.wait(kSettling);
   }
-  const TablePress press = press_table(robot, touch, options, seat - reach);
+  const TablePress press = press_table(robot, touch, options, contact_height - reach);
   const auto finger = static_cast<std::size_t>(touch.finger);
   int& times = search.unsensed[finger];
   if (press != TablePress::missed) times = press == TablePress::sensed ? 0 : times + 1;
-  if (times >= kNumbTouches) {
+  if (times >= kInsensitiveTouches) {
     robot.distrust(touch.finger,
                    fmt::format("{} does not sense the table", robot.model().fingers[finger].name));
   }
@@ -89,7 +89,7 @@ hand::BasePosition mean_base_of(std::span<const hand::HandReading> window) {
 struct SensedContacts {
   int readings = 0, contacts = 0;
   Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< mean of the contacts
-  double reported_variance = 0;                 ///< of them, as the sensor tells
+  double reported_variance = 0;                 ///< of them, as the sensor reports
   double mean_variance = 0;                     ///< of p, an axis, by how much they scatter
 };
 

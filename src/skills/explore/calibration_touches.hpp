@@ -19,8 +19,8 @@ struct CalibrationTouch {
   [[nodiscard]] hand::BasePosition base(const CalibrateOptions& options, double height) const;
 };
 
-/// The touches that tell most of where fingertips are in grasps, in an order in which it does not
-/// take long from one to the next.
+/// The touches that are most informative about where fingertips are in grasps, in an order in which
+/// it does not take long from one to the next.
 std::vector<CalibrationTouch> calibration_touches(const hand::Description& hand,
                                                   const CalibrateOptions& options);
 

@@ -45,7 +45,8 @@ Executor::StopCondition tip_touches(int finger, double force) {
 }
 
 /// The base has pushed along a direction (unit, world) with more than any motion at a guarded
-/// move's speed takes: sooner than a small load that rises can be told from the motion's own.
+/// move's speed takes: sooner than a small load that rises can be distinguished from the motion's
+/// own.
 Executor::StopCondition impact(const Executor& robot, const Eigen::Vector3d& direction) {
   return [direction, from = robot.time() + kSettledAfter,
           loaded = 0](const hand::HandReading& reading) mutable {
@@ -154,11 +155,12 @@ int ExplorePhase::touch_around(Executor& robot, PickState& state) {
   return touches;
 }
 
-/// Once more, for the hand was blocked and the fingertip sensed nothing: it may be numb.
+/// Once more, for the hand was blocked and the fingertip sensed nothing: it may be insensitive.
 int ExplorePhase::touch_with_another(Executor& robot, PickState& state) {
-  const int numb = pointing(robot).finger;
-  robot.distrust(numb, fmt::format("{} does not sense what blocks the hand",
-                                   robot.model().fingers[static_cast<std::size_t>(numb)].name));
+  const int insensitive = pointing(robot).finger;
+  robot.distrust(insensitive,
+                 fmt::format("{} does not sense what blocks the hand",
+                             robot.model().fingers[static_cast<std::size_t>(insensitive)].name));
   probe_ = first_trusted(robot);
   if (!robot.trusted(pointing(robot).finger)) {
     robot.stop_for(Fault::touch_lost, "no finger that can probe senses what blocks the hand");
@@ -303,7 +305,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
   Eigen::Vector3d above = move.from;
   above.z() = std::max(above.z(), travel_height(robot, state));
   for (const Eigen::Vector3d& tip : {above, move.from, move.to}) {
-    if (!robot.obstacle(base_at(tip)).empty()) return GuardedMoveEnd::missed;  // it tells nothing
+    if (!robot.obstacle(base_at(tip)).empty()) return GuardedMoveEnd::missed;  // no information
   }
   robot.move_base(base_at(above), options_.travel_speed);
   const localization::TurnedMove descent{{above, move.from}, turned.turn};
@@ -335,7 +337,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::come_down(Executor& robot, const Pick
     return hit(reading) || touched;
   };
   if (robot.move_base(near, options_.travel_speed / 2, met) == MotionEnd::stopped) {
-    robot.mark(estimation::TouchEvent::guarded_move);
+    robot.add_event(estimation::TouchEvent::guarded_move);
     return end_of(robot, descent, touched, MotionEnd::stopped);
   }
   robot.wait(kSettle);
@@ -350,7 +352,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::move_until_contact(
     Executor& robot, const localization::TurnedMove& turned, double clear, double touch_speed) {
   const localization::GuardedMove& move = turned.guarded_move;
   const Eigen::Vector3d forward = (move.to - move.from).normalized();
-  robot.mark(estimation::TouchEvent::guarded_move);
+  robot.add_event(estimation::TouchEvent::guarded_move);
   bool touched = false;
   const auto move_to = [&](const Eigen::Vector3d& to, double speed) {
     const auto tip = tip_touches(pointing(robot).finger, options_.touch_force);
@@ -378,7 +380,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::end_of(Executor& robot,
     robot.wait(kContactSeconds);
     done_.push_back(turned);
   }
-  robot.mark(touched ? estimation::TouchEvent::touched : estimation::TouchEvent::missed);
+  robot.add_event(touched ? estimation::TouchEvent::touched : estimation::TouchEvent::missed);
   if (touched) return GuardedMoveEnd::touched;
   return motion == MotionEnd::stopped ? GuardedMoveEnd::blocked : GuardedMoveEnd::missed;
 }

@@ -64,7 +64,7 @@ bool HeightProbePhase::lower(Executor& robot, PickState& state,
 
   const bool found = descend(robot);
   if (found) {
-    robot.mark(estimation::TouchEvent::height_probed);
+    robot.add_event(estimation::TouchEvent::height_probed);
     state.height = estimation::lowest_of_hand(robot.model(), robot.reading());
   }
   hand::BasePosition up = robot.command().base;

@@ -57,9 +57,9 @@ void take_attitude(Executor& robot, const CalibrationTouch& touch,
 
 bool is_reachable(const Executor& robot, const CalibrationTouch& touch,
                   const CalibrateOptions& options) {
-  const double seat = -lowest(robot.model(), touch);
-  return robot.obstacle(touch.base(options, seat + kTravelHeight)).empty() &&
-         robot.obstacle(touch.base(options, seat)).empty();
+  const double contact_height = -lowest(robot.model(), touch);
+  return robot.obstacle(touch.base(options, contact_height + kTravelHeight)).empty() &&
+         robot.obstacle(touch.base(options, contact_height)).empty();
 }
 
 TablePress press_table(Executor& robot, const CalibrationTouch& touch,

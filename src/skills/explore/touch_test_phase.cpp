@@ -21,16 +21,16 @@ constexpr double kSecondsAFinger = 20.0;  // amply
 
 double TouchTestPhase::time_limit() const { return kSecondsAFinger * hand::kMaxFingers; }
 
-/// A fingertip with which the hand cannot press on the table counts as numb: it was held up.
-bool TouchTestPhase::is_numb(Executor& robot, int finger) const {
+/// A fingertip with which the hand cannot press on the table counts as insensitive: it was held up.
+bool TouchTestPhase::is_insensitive(Executor& robot, int finger) const {
   const auto touch = calibration_touch(robot.model(), finger);
   if (!touch || !is_reachable(robot, *touch, options_)) return true;
   take_attitude(robot, *touch, options_);
-  const double seat = -lowest(robot.model(), *touch);
+  const double contact_height = -lowest(robot.model(), *touch);
   for (int i = 0; i < kPresses; ++i) {
-    robot.move_base(touch->base(options_, seat + kReach), options_.travel_speed);
+    robot.move_base(touch->base(options_, contact_height + kReach), options_.travel_speed);
     robot.tare();
-    const TablePress press = press_table(robot, *touch, options_, seat - kReach);
+    const TablePress press = press_table(robot, *touch, options_, contact_height - kReach);
     rise(robot, kTravelHeight, options_.travel_speed);
     if (press != TablePress::unsensed) return false;
   }
@@ -44,20 +44,20 @@ PhaseEnd TouchTestPhase::run(Executor& robot, PickState& state) {
     const double free = std::max(kFreeHeight, state.clear_height - low);
     rise(robot, std::max(0.0, free - now.base.xyz.z()), options_.travel_speed);
   };
-  std::vector<std::string> numb;
+  std::vector<std::string> insensitive;
   for (const int finger : robot.suspects()) {
     high();
     const std::string& name = robot.model().fingers[static_cast<std::size_t>(finger)].name;
-    if (!is_numb(robot, finger)) {
+    if (!is_insensitive(robot, finger)) {
       robot.clear(finger);
       continue;
     }
     robot.distrust(finger, fmt::format("{} does not sense what it presses on", name));
-    numb.push_back(name);
+    insensitive.push_back(name);
   }
   high();
-  return {true, numb.empty() ? "all fingertips sense contact"
-                             : fmt::format("numb: {}", fmt::join(numb, ", "))};
+  return {true, insensitive.empty() ? "all fingertips sense contact"
+                                    : fmt::format("insensitive: {}", fmt::join(insensitive, ", "))};
 }
 
 }  // namespace palpate::skills

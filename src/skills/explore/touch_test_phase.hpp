@@ -16,7 +16,7 @@ class TouchTestPhase : public Phase {
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
-  [[nodiscard]] bool is_numb(Executor& robot, int finger) const;
+  [[nodiscard]] bool is_insensitive(Executor& robot, int finger) const;
 
   CalibrateOptions options_;
 };

@@ -87,7 +87,7 @@ PhaseEnd GraspPhase::run(Executor& robot, PickState& state) {
     planned = plan(robot, state, tried_yaws);
     if (!planned || planned->cost > hold.forces.wrench_residual) break;
     if (std::count(tried_yaws.begin(), tried_yaws.end(), planned->base.ypr.x()) > 0) break;
-    let_go(robot);
+    release(robot);
     hold = close_as_planned(robot, state, *planned);
     if (robot.suspected(robot.model().thumb)) return held_up(robot);
   }
@@ -240,13 +240,13 @@ void GraspPhase::descend(Executor& robot, const PickState& state) const {
 /// them; who loses touch meanwhile closes on.
 void GraspPhase::close(Executor& robot, const Closing& how) const {
   hand::PerFinger<bool> sensing{};
-  bool any_numb = false;
+  bool any_insensitive = false;
   for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
     sensing[static_cast<std::size_t>(finger)] = robot.trusted(finger);
-    any_numb |= !robot.trusted(finger);
+    any_insensitive |= !robot.trusted(finger);
   }
   close(robot, how, sensing);
-  if (any_numb && !robot.suspected(robot.model().thumb)) {
+  if (any_insensitive && !robot.suspected(robot.model().thumb)) {
     close(robot, how, grasping::kAllFingers);
   }
   robot.wait(kTouchSeconds);
@@ -304,13 +304,13 @@ GraspPhase::Hold GraspPhase::balance(const Executor& robot, const PickState& sta
 }
 
 void GraspPhase::press(Executor& robot, const Hold& hold) const {
-  robot.mark(estimation::TouchEvent::closed);
+  robot.add_event(estimation::TouchEvent::closed);
   robot.move_fingers(pressing_command(robot, hold.contacts, hold.forces.forces),
                      options_.ramp_seconds);
   robot.wait(0.2);
 }
 
-void GraspPhase::let_go(Executor& robot) const {
+void GraspPhase::release(Executor& robot) const {
   open_yielding(robot);
   hand::BasePosition up = robot.command().base;
   up.xyz.z() += kTopDistance;

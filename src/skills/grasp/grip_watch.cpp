@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kBefore = 15;  // readings, averaged against noise
 constexpr std::size_t kNow = 3;
 constexpr double kLeft = 0.8;  // of the force: less is lost
-constexpr double kFirm = 0.5;  // N, that tell a loss from noise
+constexpr double kFirm = 0.5;  // N, that distinguish a loss from noise
 
 double press_of(const hand::HandReading& reading) {
   double sum = 0;

@@ -53,7 +53,7 @@ PhaseEnd LiftPhase::run(Executor& robot, PickState& state) {
   robot.wait(options_.settle);
   const std::size_t settled = robot.log().readings.size() - 1;
   robot.wait(options_.hold);
-  robot.mark(estimation::TouchEvent::held);
+  robot.add_event(estimation::TouchEvent::held);
   state.held_load = estimation::mean_load(robot.log(), kJudged);
   const int fingers = touching_fingers(robot.log(), options_.touch_force);
   const double slip = estimation::contact_slip(robot.log(), robot.model(), settled,
@@ -62,13 +62,13 @@ PhaseEnd LiftPhase::run(Executor& robot, PickState& state) {
   const bool light = state.held_load <= options_.min_weight * weight_;
   const bool untouched = fingers < options_.min_fingers;
   const bool slipping = slip > options_.max_slip;
-  const char* const verdict = light       ? "lost"
+  const char* const outcome = light       ? "lost"
                               : untouched ? "contacts lost"
                               : slipping  ? "slipping"
                                           : "held";
   return {!light && !untouched && !slipping,
           fmt::format("{}: carries {:.2f} N of {:.2f} N, {} fingers in contact, slip {:.1f} mm",
-                      verdict, state.held_load, weight_, fingers, 1e3 * slip)};
+                      outcome, state.held_load, weight_, fingers, 1e3 * slip)};
 }
 
 }  // namespace palpate::skills

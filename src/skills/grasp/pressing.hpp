@@ -23,7 +23,8 @@ hand::ActuatorVector pressing_command(const Executor& robot,
                                       std::span<const Eigen::Vector3d> forces);
 
 /// Torques with which the actuators bear what the fingertips sense now, N m. What the actuators
-/// themselves tell holds their friction, too, and is asked only where no fingertip tells a force.
+/// themselves report holds their friction, too, and is used only where no fingertip reports a
+/// force.
 hand::ActuatorVector contact_torques(const Executor& robot);
 
 }  // namespace palpate::skills

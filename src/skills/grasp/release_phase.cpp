@@ -60,7 +60,7 @@ PhaseEnd ReleasePhase::run(Executor& robot, PickState& state) {
   open_yielding(robot);
   robot.move_base(at_height(robot.command().base, kFreeHeight), kUpSpeed);
   robot.move_fingers(straightened(robot), kReleaseSeconds);
-  robot.mark(estimation::TouchEvent::released);
+  robot.add_event(estimation::TouchEvent::released);
   return {true, fmt::format("next try at ({:.0f}, {:.0f}) mm", 1e3 * state.place.x(),
                             1e3 * state.place.y())};
 }
@@ -74,7 +74,7 @@ PhaseEnd ClearPhase::run(Executor& robot, PickState&) {
   high.ypr.setZero();
   robot.move_base(high, kUpSpeed);
   robot.wait(kReleaseRestSeconds);
-  robot.mark(estimation::TouchEvent::released);
+  robot.add_event(estimation::TouchEvent::released);
   return {true, "the hand is free"};
 }
 

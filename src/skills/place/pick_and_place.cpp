@@ -68,7 +68,7 @@ class PlaceAttempts {
     if (strategy != PlaceStrategy::regrasp) {
       in_one_hold(strategy == PlaceStrategy::automatic);
       if (strategy == PlaceStrategy::wrist) sequence_.strategy.reason = "asked for";
-      if (strategy == PlaceStrategy::fingers && !sequence_.strategy.turn) {
+      if (strategy == PlaceStrategy::fingers && !sequence_.strategy.reorientation) {
         sequence_.strategy.reason = "nothing for the fingers to turn: " + sequence_.strategy.reason;
       }
     }
@@ -91,10 +91,10 @@ class PlaceAttempts {
       if (!sequence_.picked.held) return;
       sequence_.place = place(robot_, task, sequence_.picked, observer_);
       sequence_.strategy.reason = "one hold: " + outcome_of(*sequence_.place);
-      if (sequence_.place->turn) {
+      if (sequence_.place->reorientation) {
         sequence_.strategy.strategy = PlaceStrategy::fingers;
-        sequence_.strategy.reason = sequence_.place->turn->why;
-        sequence_.strategy.turn = sequence_.place->turn;
+        sequence_.strategy.reason = sequence_.place->reorientation->why;
+        sequence_.strategy.reorientation = sequence_.place->reorientation;
         task.place.strategy = to_string(PlaceStrategy::wrist);
       }
       if (!may_be_picked(*sequence_.place)) return;

@@ -90,19 +90,19 @@ class Placement {
 
   PlaceResult run() {
     result_.on_the_way = task_.target.on_the_way;
-    bring();
+    execute();
     if (result_.status == PlaceStatus::lost) sequence_.run(ClearPhase());
     return std::move(result_);
   }
 
  private:
-  void bring();
-  bool aim();
+  void execute();
+  bool plan_goal();
   GoalSearch search_goal(const HeldObject& held);
-  bool turn();
-  bool aim_turned();
+  bool reorient();
+  bool plan_turned_goal();
   bool carry(std::string name);
-  bool aim_again();
+  bool replan_goal();
   bool set_down(const PlaceGoal& goal, double wall, const LowerOptions& options, std::string name);
   bool withdraw();
   void put_back();
@@ -132,7 +132,7 @@ bool Placement::fail(PlaceStatus status) {
 }
 
 /// Decides whether the pose is known well enough, and where the base has to go.
-bool Placement::aim() {
+bool Placement::plan_goal() {
   const auto held =
       held_object(object_, picked_.estimate.posterior, robot_.log(),
                   robot_.log().at(estimation::TouchEvent::held), options_.same, picked_.fallen);
@@ -150,14 +150,15 @@ bool Placement::aim() {
     const GoalSearch search = search_goal(*held);
     result_.other_stable_pose = !search.same_stable_pose;
     result_.goal = search.goal;
-    result_.turn = plan_in_hand_reorientation(
+    result_.reorientation = plan_in_hand_reorientation(
         place_strategy(options_), {robot_.reading().base, result_.T_world_target, *held, search},
         options_.fingers,
         [&](const HeldObject& turned) { return search_goal(turned).goal.has_value(); });
-    if (!search.goal && !result_.turn) return {false, "unreachable: " + search.obstacle};
-    return {true, fmt::format("{:.2f} agree; {} stable pose{}", held->certainty,
-                              search.same_stable_pose ? "the same" : "another",
-                              result_.turn ? "; fingers " + result_.turn->why : "")};
+    if (!search.goal && !result_.reorientation) return {false, "unreachable: " + search.obstacle};
+    return {true,
+            fmt::format("{:.2f} agree; {} stable pose{}", held->certainty,
+                        search.same_stable_pose ? "the same" : "another",
+                        result_.reorientation ? "; fingers " + result_.reorientation->why : "")};
   }));
   return ok || fail(status);
 }
@@ -166,21 +167,22 @@ GoalSearch Placement::search_goal(const HeldObject& held) {
   return find_goal(object_, held, result_.T_world_target, robot_.reading(), *scene_, options_.goal);
 }
 
-/// Turns the object by the fingers, and aims again at what the tracker says of it then.
-bool Placement::turn() {
-  if (!result_.turn) return true;
+/// Rotates the object by the fingers, then plans the goal again for the pose that the tracker
+/// estimates.
+bool Placement::reorient() {
+  if (!result_.reorientation) return true;
   InHandReorientationOptions options = options_.fingers;
   options.reorient.errors = task_.pick.estimation.errors;
-  const bool ok =
-      sequence_.run(InHandReorientationPhase(options, task_.object, task_.seed, *result_.turn));
-  if (result_.turn->lost) return fail(PlaceStatus::lost);
+  const bool ok = sequence_.run(
+      InHandReorientationPhase(options, task_.object, task_.seed, *result_.reorientation));
+  if (result_.reorientation->lost) return fail(PlaceStatus::lost);
   if (!ok) fail(PlaceStatus::slipped);
-  if (ok && aim_turned()) return true;
+  if (ok && plan_turned_goal()) return true;
   put_back();
   return false;
 }
 
-bool Placement::aim_turned() {
+bool Placement::plan_turned_goal() {
   const bool ok = sequence_.run(ComputePhase("plan-turned-goal", [&]() -> PhaseEnd {
     const estimation::EventLog& log = robot_.log();
     const double certainty = result_.held.certainty;
@@ -195,7 +197,7 @@ bool Placement::aim_turned() {
     return {true,
             fmt::format("{:.1f} deg are left to the mount",
                         kDegreesPerRadian * share_of_fingers(robot_.reading().base,
-                                                             search.goal->seat, std::numbers::pi)
+                                                             search.goal->base, std::numbers::pi)
                                                 .norm())};
   }));
   return ok || fail(PlaceStatus::unreachable);
@@ -216,11 +218,11 @@ bool Placement::carry(std::string name) {
 }
 
 /// Estimates the pose once more over the target, for the object has moved in the hand on the way:
-/// gravity pulls elsewhere once the hand has turned. What comes of it only mends the goal; where it
-/// is less certain than what was known before, it is left alone. What the fingers have turned is
+/// gravity pulls elsewhere once the hand has turned. What comes of it only corrects the goal; where
+/// it is less certain than what was known before, it is left alone. What the fingers have turned is
 /// known from tracking them: the estimate counts on an object that has hardly moved in the hand.
-bool Placement::aim_again() {
-  if (!options_.reestimate || result_.turn) return true;
+bool Placement::replan_goal() {
+  if (!options_.reestimate || result_.reorientation) return true;
   const estimation::EventLog& log = robot_.log();
   const std::size_t now = log.readings.size() - 1;
   const double least = std::min(options_.certain, result_.held.certainty);
@@ -240,9 +242,9 @@ bool Placement::aim_again() {
     result_.held = *held;
     goal = search.goal;
     if (!goal) return {false, "unreachable, as it has moved in the hand: " + search.obstacle};
-    const Eigen::Isometry3d by = goal->seat.pose() * result_.goal->seat.pose().inverse();
+    const Eigen::Isometry3d by = goal->base.pose() * result_.goal->base.pose().inverse();
     return {true, fmt::format("the goal of the hand moves by {:.1f} mm and {:.1f} deg",
-                              1e3 * (goal->seat.xyz - result_.goal->seat.xyz).norm(),
+                              1e3 * (goal->base.xyz - result_.goal->base.xyz).norm(),
                               kDegreesPerRadian * Eigen::AngleAxisd(by.linear()).angle())};
   }));
   if (!ok) {
@@ -260,7 +262,7 @@ bool Placement::set_down(const PlaceGoal& goal, double wall, const LowerOptions&
   const bool for_good = name == kPlace;
   PlacePhase lower(options, goal, wall, std::move(name));
   const bool ok = sequence_.run(lower);
-  if (for_good && lower.let_go()) {
+  if (for_good && lower.released()) {
     result_.T_world_placed = laid_flat(object_, lower.T_world_object());
   }
   if (ok) return withdraw();
@@ -285,15 +287,15 @@ void Placement::put_back() {
   const auto closed = robot_.log().at(estimation::TouchEvent::closed);
   PlaceGoal goal;
   goal.T_base_object = result_.held.T_base_object_flat;
-  goal.seat = robot_.log().readings[*closed].base;
-  if (result_.turn && result_.turn->known) {
+  goal.base = robot_.log().readings[*closed].base;
+  if (result_.reorientation && result_.reorientation->known) {
     const Eigen::Isometry3d T_world_object =
-        laid_flat(object_, goal.seat.pose() * goal.T_base_object);
-    goal.seat = base_near(T_world_object * goal.T_base_object.inverse(), goal.seat);
+        laid_flat(object_, goal.base.pose() * goal.T_base_object);
+    goal.base = base_near(T_world_object * goal.T_base_object.inverse(), goal.base);
   }
-  goal.above = goal.seat;
+  goal.above = goal.base;
   goal.above.xyz.z() += options_.goal.rise;
-  goal.T_world_object = goal.seat.pose() * goal.T_base_object;
+  goal.T_world_object = goal.base.pose() * goal.T_base_object;
   TransportPhase carry(options_.transport, *scene_, goal, task_.seed, "carry-back");
   const bool there = sequence_.run(carry);
   if (carry.lost()) {
@@ -303,25 +305,25 @@ void Placement::put_back() {
   LowerOptions lower = never_refused(options_.lower);
   if (!there) {  // setting down here is gentler than letting go up here
     const hand::BasePosition& here = robot_.reading().base;
-    lower = slow_lowering(lower, here.xyz.z() - goal.seat.xyz.z());
-    goal.seat.xyz.head<2>() = here.xyz.head<2>();
-    goal.seat.ypr = here.ypr;
+    lower = slow_lowering(lower, here.xyz.z() - goal.base.xyz.z());
+    goal.base.xyz.head<2>() = here.xyz.head<2>();
+    goal.base.ypr = here.ypr;
   }
   const bool down = set_down(goal, 0, lower, "put-back");
   if (down && !there) {
-    result_.put_aside = (goal.seat.pose() * goal.T_base_object).translation().head<2>();
+    result_.put_aside = (goal.base.pose() * goal.T_base_object).translation().head<2>();
   }
   if (down) result_.status = reason;
   if (result_.status == PlaceStatus::refused && !down) result_.status = PlaceStatus::stuck;
 }
 
-void Placement::bring() {
-  if (!aim()) {
+void Placement::execute() {
+  if (!plan_goal()) {
     put_back();
     return;
   }
   const bool slot = task_.target.kind == PlaceTarget::Kind::fixture;
-  if (!turn() || !carry("transport") || !aim_again()) return;
+  if (!reorient() || !carry("transport") || !replan_goal()) return;
   if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, options_.lower, kPlace)) {
     if (result_.status == PlaceStatus::refused) put_back();
     return;

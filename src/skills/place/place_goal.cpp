@@ -86,18 +86,18 @@ GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held
     goal.T_base_object = T_base_object;
     goal.T_world_object = T_world_target;
     goal.T_world_object.linear() = T_world_target.linear() * S;
-    goal.seat = base_near(goal.T_world_object * T_base_object.inverse(), now.base);
-    goal.above = raised(goal.seat, options.rise);
+    goal.base = base_near(goal.T_world_object * T_base_object.inverse(), now.base);
+    goal.above = raised(goal.base, options.rise);
     goals.push_back(goal);
   }
   std::stable_sort(goals.begin(), goals.end(), [&](const PlaceGoal& a, const PlaceGoal& b) {
-    return turn_between(a.seat, now.base) < turn_between(b.seat, now.base);
+    return turn_between(a.base, now.base) < turn_between(b.base, now.base);
   });
   const hand::JointVector joints = plannable(scene.hand(), now.joints);
   scene.hold(scene.palm_pose(hand::BasePosition{}, joints).inverse() * T_base_object);
   for (const PlaceGoal& goal : goals) {
     std::string obstacle = obstacle_at(goal.above, options);
-    for (const auto& base : {raised(goal.seat, options.room), goal.above}) {
+    for (const auto& base : {raised(goal.base, options.room), goal.above}) {
       if (!obstacle.empty()) break;
       const auto pair = scene.deepest_collision(base, joints);
       if (!pair) continue;

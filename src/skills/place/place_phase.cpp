@@ -79,8 +79,8 @@ PhaseEnd PlacePhase::run(Executor& robot, PickState&) {
       break;
   }
   T_world_object_ = estimation::mean_base(robot.log(), 5).pose() * goal_.T_base_object;
-  let_go_ = true;
-  palpate::skills::let_go(robot, options_);
+  released_ = true;
+  release(robot, options_);
   return {true, fmt::format("contact at {:+.1f} mm{}, let go", 1e3 * height_error_,
                             attempt > 0 ? fmt::format(", try {}", attempt + 1) : "")};
 }
@@ -89,24 +89,24 @@ PhaseEnd PlacePhase::run(Executor& robot, PickState&) {
 PlacePhase::Touchdown PlacePhase::lower(Executor& robot, const Eigen::Vector3d& aside) {
   const hand::BasePosition measured = estimation::mean_base(robot.log());
   const hand::BasePosition& command = robot.command().base;
-  hand::BasePosition seat = moved(goal_.seat, aside + command.xyz - measured.xyz);
-  seat.ypr += command.ypr - measured.ypr;
-  const hand::BasePosition over = moved(seat, {0, 0, std::max(options_.near, 1.5 * wall_)});
+  hand::BasePosition at_goal = moved(goal_.base, aside + command.xyz - measured.xyz);
+  at_goal.ypr += command.ypr - measured.ypr;
+  const hand::BasePosition over = moved(at_goal, {0, 0, std::max(options_.near, 1.5 * wall_)});
   if (command.xyz.z() > over.xyz.z()) robot.move_base(over, options_.speed);
-  hand::BasePosition start = seat;
+  hand::BasePosition start = at_goal;
   start.xyz.z() = robot.command().base.xyz.z();
   robot.move_base(start, options_.slow_speed);
   robot.wait(kSettle);
   const double load = estimation::mean_load(robot.log());
   if (load < options_.contact_load) return Touchdown::lost;
 
-  const hand::BasePosition low = moved(seat, {0, 0, -options_.beyond});
+  const hand::BasePosition low = moved(at_goal, {0, 0, -options_.beyond});
   const auto borne = load_below(load - options_.contact_load, robot.time() + kSettingOut);
   if (robot.move_base(low, options_.slow_speed, borne) != MotionEnd::stopped) {
     return Touchdown::nothing;
   }
   contact_ = robot.command().base;
-  height_error_ = robot.reading().base.xyz.z() - goal_.seat.xyz.z();
+  height_error_ = robot.reading().base.xyz.z() - goal_.base.xyz.z();
   if (height_error_ > options_.early) return Touchdown::early;
   robot.move_base(moved(contact_, {0, 0, -options_.max_press}), options_.slow_speed,
                   load_below(-options_.press));
@@ -114,15 +114,15 @@ PlacePhase::Touchdown PlacePhase::lower(Executor& robot, const Eigen::Vector3d& 
   // low wall is high. Where all of the load is borne, it has been pushed back to where it was in
   // the hand when the fingers closed: over the table the hand is then as low as expected, and over
   // a wall it is not.
-  const double seated = robot.reading().base.xyz.z() - goal_.seat.xyz.z();
-  if (wall_ <= 0 || seated <= kEarlyOfWall * wall_) return Touchdown::flat;
-  height_error_ = seated;
+  const double pressed_error = robot.reading().base.xyz.z() - goal_.base.xyz.z();
+  if (wall_ <= 0 || pressed_error <= kEarlyOfWall * wall_) return Touchdown::flat;
+  height_error_ = pressed_error;
   return Touchdown::early;
 }
 
-void let_go(Executor& robot, const LowerOptions& options) {
+void release(Executor& robot, const LowerOptions& options) {
   const hand::ActuatorVector& open = robot.model().postures.top.open;
-  robot.mark(estimation::TouchEvent::placed);
+  robot.add_event(estimation::TouchEvent::placed);
   robot.set_grip(std::nullopt);
   robot.move_fingers(unloaded(robot), options.unload_seconds);
   hand::ActuatorVector opened = robot.command().positions;
@@ -135,7 +135,7 @@ void let_go(Executor& robot, const LowerOptions& options) {
 
 PhaseEnd OpenPhase::run(Executor& robot, PickState&) {
   robot.wait(kSettleSeconds);
-  let_go(robot, options_);
+  release(robot, options_);
   const int contacts = hand::count_contacts(robot.reading());
   return {contacts == 0, fmt::format("{} contacts left", contacts)};
 }
@@ -157,7 +157,7 @@ PhaseEnd WithdrawPhase::run(Executor& robot, PickState&) {
   far.xyz.z() = std::max(far.xyz.z(), options_.height);
   robot.move_base(far, options_.far_speed);
   robot.wait(2 * kSettleSeconds);
-  robot.mark(event_);
+  robot.add_event(event_);
   const double load = estimation::mean_load(robot.log());
   if (load > options_.empty * weight_) {
     return {false, fmt::format("{:.2f} N still hang in the hand", load)};

@@ -14,7 +14,7 @@
 namespace palpate::skills {
 namespace {
 
-/// What the base is told for a configuration that it is to reach, by what its drives give way.
+/// What the base is commanded for a configuration that it is to reach, by what its drives give way.
 hand::BasePosition commanded(const hand::BasePosition& wanted, const hand::BasePosition& yielded) {
   return {wanted.xyz + yielded.xyz, wanted.ypr + yielded.ypr};
 }

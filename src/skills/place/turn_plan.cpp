@@ -12,7 +12,7 @@ namespace palpate::skills {
 namespace {
 
 hand::BasePosition wanted_base(const TurnQuestion& question) {
-  if (question.search.goal) return base_near(question.search.goal->seat.pose(), question.base);
+  if (question.search.goal) return base_near(question.search.goal->base.pose(), question.base);
   return base_near(question.T_world_target * question.held.T_base_object_flat.inverse(),
                    question.base);
 }
@@ -25,15 +25,15 @@ std::optional<InHandReorientation> plan_in_hand_reorientation(
   const GoalSearch& search = question.search;
   const bool asked_for = strategy == PlaceStrategy::fingers;
   if (!asked_for && (strategy != PlaceStrategy::automatic || search.goal)) return std::nullopt;
-  const hand::BasePosition seat = wanted_base(question);
+  const hand::BasePosition wanted = wanted_base(question);
   InHandReorientation turn;
-  turn.base_turn = share_of_fingers(question.base, seat, std::numbers::pi).norm();
-  turn.asked = share_of_fingers(question.base, seat, options.max);
+  turn.base_rotation = share_of_fingers(question.base, wanted, std::numbers::pi).norm();
+  turn.asked = share_of_fingers(question.base, wanted, options.max);
   if (search.goal) {
     if (turn.asked.norm() < options.min) return std::nullopt;
     turn.why =
         fmt::format("asked for: {:.1f} of the {:.1f} deg that the mount would turn",
-                    kDegreesPerRadian * turn.asked.norm(), kDegreesPerRadian * turn.base_turn);
+                    kDegreesPerRadian * turn.asked.norm(), kDegreesPerRadian * turn.base_rotation);
     return turn;
   }
   const auto reaching =

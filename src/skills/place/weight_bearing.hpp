@@ -12,7 +12,7 @@ namespace palpate::skills {
 ///
 /// Fingers are springs: where gravity comes to pull along another direction of the hand they give
 /// way, the object moves with them, and its contacts wander. The forces that bear the weight as it
-/// pulls then, within the friction cones of the contacts, are told to the fingers beforehand. Only
+/// pulls then, within the friction cones of the contacts, are given to the fingers beforehand. Only
 /// what changes is added to their commands: what they sensed when they pressed is left alone.
 class WeightBearing {
  public:

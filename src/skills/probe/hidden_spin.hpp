@@ -8,8 +8,8 @@ namespace palpate::skills {
 
 /// Probability of the best pose whatever its spin, where that hardly shows: rotated about the
 /// mode's free axis to its ends, the surface is off the original by less than three times its
-/// error (root mean square). Another grasp then tells no more, unlike of a mug whose handle has not
-/// been found yet.
+/// error (root mean square). Another grasp then adds no information, unlike of a mug whose handle
+/// has not been found yet.
 /// @param surface_sigma  error of the surface, m
 double probability_but_for_hidden_spin(const geometry::ObjectModel& object,
                                        const localization::Posterior& posterior,

@@ -5,7 +5,7 @@
 
 namespace palpate::skills {
 
-/// What a way to touch more of the object should tell about its pose, and how long it takes.
+/// Expected information about its pose by a way to touch more of the object, and how long it takes.
 struct ExpectedGain {
   double information = 0;  ///< lower bound, nats
   double seconds = 1;      ///< of the robot's time

@@ -232,7 +232,7 @@ bool FingerProbes::make(Executor& robot, const Move& move) {
   });
   robot.set_grip(std::nullopt);
   robot.wait(kWindow * hand::kTick);
-  robot.mark(estimation::TouchEvent::probed);
+  robot.add_event(estimation::TouchEvent::probed);
   hand::ActuatorVector away = robot.command().positions;
   const bool closes_up = hand.actuators[static_cast<std::size_t>(knuckle)].closing > 0;
   away[knuckle] = closes_up ? std::min(away[knuckle], move.opened[knuckle])

@@ -34,7 +34,7 @@ class FingerProbes {
                              RandomStream random) const;
 
   /// Lets the others take over, opens the finger, moves it, closes it until it touches or has
-  /// closed in vain, marks `probed`, and brings it back.
+  /// closed in vain, records `probed`, and brings it back.
   /// @return whether the thumb and another finger than the moved one still touch the object
   bool make(Executor& robot, const Move& move);
 

@@ -40,7 +40,7 @@ struct Choices {
   std::optional<FingerProbes::Move> touch;
   std::optional<InformativeGrasp> grasp;
 
-  /// Leaves the one that tells most a second.
+  /// Leaves the one with the most expected information a second.
   void keep_best(double min_gain_rate) {
     const auto rate = [&](const auto& choice) {
       return choice && choice->expected_gain.rate() >= min_gain_rate ? choice->expected_gain.rate()
@@ -138,7 +138,7 @@ class Probing {
   void touch(const FingerProbes::Move& move) {
     holds_ = fingers_.make(robot_, move);
     ++touches_;
-    robot_.mark(instant_);
+    robot_.add_event(instant_);
     state_.estimate = estimator_.held(robot_.model(), robot_.log(), robot_.log().at(instant_));
   }
 

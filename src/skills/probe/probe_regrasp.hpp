@@ -15,7 +15,7 @@ struct InformativeGrasp {
   ExpectedGain expected_gain;
 };
 
-/// How safe and how different a grasp must be that is made for what it tells.
+/// How safe and how different a grasp must be that is made for its information.
 struct InformativeGraspOptions {
   grasping::GraspPlanOptions plan = many_grasps();
   double worst_cost = 0.3;    ///< of a grasp that holds

@@ -138,7 +138,7 @@ void TableTouchChoice::made(const TableTouch& touch, std::optional<double> lowes
 }
 
 std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choice,
-                                  const TableTouch& touch, double least_load) {
+                                  const TableTouch& touch, double min_load) {
   const hand::BasePosition turned = base_near(choice.turned_base(touch), robot.command().base);
   const double way = choice.height() + touch.lowest;  // down to the table
   const hand::BasePosition over = lowered(turned, way - kSlowFrom - 2 * touch.sigma);
@@ -149,7 +149,7 @@ std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choic
   robot.move_base(turned, kTurnedSpeed);
   robot.wait(kSettleSeconds);
   const double load = estimation::mean_load(robot.log());
-  if (load < least_load) return std::nullopt;
+  if (load < min_load) return std::nullopt;
   const auto stopped = [&](const hand::BasePosition& to, double speed, double borne) {
     return robot.move_base(to, speed, load_below(load - borne, robot.time() + kSetOutSeconds)) ==
            MotionEnd::stopped;
@@ -157,7 +157,7 @@ std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choic
   const bool met = stopped(over, kTurnedSpeed, kKnocked) || stopped(low, kGuardedSpeed, kBorne);
   std::optional<double> lowest;
   if (met) {
-    robot.mark(estimation::TouchEvent::table_touched);
+    robot.add_event(estimation::TouchEvent::table_touched);
     const double down = choice.turned_base(touch).translation().z() - robot.reading().base.xyz.z();
     lowest = down - choice.height();
   }

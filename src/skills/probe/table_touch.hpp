@@ -23,7 +23,7 @@ struct TableTouch {
   ExpectedGain expected_gain;
 };
 
-/// Chooses such turns: each for what it should tell beside those before.
+/// Chooses such turns: each for its expected information beside those before.
 class TableTouchChoice {
  public:
   /// @param held  in the world, with modes; the hand is where it is by the last reading
@@ -56,11 +56,11 @@ class TableTouchChoice {
   std::vector<Eigen::Vector3d> done_;
 };
 
-/// Turns the hand, lets the object down until the table bears some of its weight, marks
+/// Turns the hand, lets the object down until the table bears some of its weight, records
 /// `table_touched`, and goes up again.
-/// @param least_load  N that must hang on the base, once it stands, for anything to be let down
+/// @param min_load  N that must hang on the base, once it stands, for anything to be let down
 /// @return the lowest point over the object's centroid; none: the table was not met
 std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choice,
-                                  const TableTouch& touch, double least_load);
+                                  const TableTouch& touch, double min_load);
 
 }  // namespace palpate::skills

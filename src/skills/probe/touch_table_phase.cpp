@@ -35,13 +35,13 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
     choice.made(*touch, lowest);
     touches += lowest.has_value();
   }
-  if (tries == 0) return {true, "would tell nothing more"};
+  if (tries == 0) return {true, "would add no information"};
   robot.move_base(start, kBackSpeed);
   robot.wait(std::max(hold_, kSettleSeconds));
   if (estimation::mean_load(robot.log()) < kStillHangs * weight) {
     return {false, "lost on the table"};
   }
-  robot.mark(estimation::TouchEvent::held);
+  robot.add_event(estimation::TouchEvent::held);
   if (touches > 0) {
     state.estimate =
         estimator_.held(robot.model(), robot.log(), robot.log().at(estimation::TouchEvent::held));

@@ -6,13 +6,13 @@
 
 namespace palpate::skills {
 
-/// Lets the held object touch the table, turned to several sides, as long as that should tell
+/// Lets the held object touch the table, turned to several sides, as long as that should show
 /// something of its pose. The table meets its far ends, where an error of the orientation shows
 /// most, and no error of the fingers' links bears on it (extrinsic contact; Kim et al.,
 /// "Simultaneous tactile estimation and control of extrinsic contact", ICRA 2023).
 class TouchTablePhase : public Phase {
  public:
-  /// @param hold  s that the hand then stands still, before it marks `held` again
+  /// @param hold  s that the hand then stands still, before it records `held` again
   TouchTablePhase(estimation::PoseEstimator& estimator, const PalpationOptions& options,
                   double hold)
       : estimator_(estimator), options_(options), hold_(hold) {}

@@ -47,11 +47,11 @@ localization::Posterior heaviest(localization::Posterior posterior) {
 }
 
 /// Steps, looks and keeps track for one reorientation.
-class Turning {
+class Reorientation {
  public:
-  Turning(Executor& robot, const geometry::ObjectModel& object, const localization::Posterior& held,
-          const Eigen::Isometry3d& T_world_goal, const ReorientOptions& options,
-          RandomStream random)
+  Reorientation(Executor& robot, const geometry::ObjectModel& object,
+                const localization::Posterior& held, const Eigen::Isometry3d& T_world_goal,
+                const ReorientOptions& options, RandomStream random)
       : robot_(robot),
         options_(options),
         goal_(T_world_goal),
@@ -139,7 +139,7 @@ class Turning {
 
   /// By how much the commands must lead so that the fingertips press with forces that bear the
   /// weight, wherever the contacts have gone.
-  hand::ActuatorVector mending_lead(double gain) const {
+  hand::ActuatorVector correcting_lead(double gain) const {
     hand::ActuatorVector lead = hand::ActuatorVector::Zero(robot_.model().actuator_count());
     const auto balanced =
         grasping::distribute_forces(view_.contacts, options_.friction, options_.grip * first_force_,
@@ -171,8 +171,8 @@ class Turning {
         tactile::lasting_contacts(window, robot_.model(), options_.errors));
     remember_contacts();
     if (first_force_ == 0) first_force_ = pressing_force(view_.contacts);
-    view_.lead =
-        mending_lead(looks_++ < options_.tightenings ? options_.tighten_gain : options_.force_gain);
+    view_.lead = correcting_lead(looks_++ < options_.tightenings ? options_.tighten_gain
+                                                                 : options_.force_gain);
     tracker_.update(frame());
     view_.T_base_object = robot_.reading().base.pose().inverse() * tracked();
     return ending();
@@ -260,9 +260,10 @@ ReorientResult reorient_in_hand(Executor& robot, const geometry::ObjectModel& ob
   if (!T_world_goal.matrix().allFinite()) {
     throw BadInput("the goal of a reorientation has a value that is not finite");
   }
-  Turning course(robot, object, held, T_world_goal, options, RandomStream(seed, "reorient"));
+  Reorientation reorientation(robot, object, held, T_world_goal, options,
+                              RandomStream(seed, "reorient"));
   StepSampler sampler(object.object(), robot, options, threads);
-  ReorientResult result = course.run(sampler);
+  ReorientResult result = reorientation.run(sampler);
   result.rollouts = sampler.rollouts();
   return result;
 }

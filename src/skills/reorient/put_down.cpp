@@ -68,7 +68,7 @@ Hold hold_of(const hand::Description& hand, const Holding& holding,
   return hold;
 }
 
-void PutDown::aim(const Eigen::Isometry3d& T_world_to, bool free_yaw) {
+void PutDown::set_goal(const Eigen::Isometry3d& T_world_to, bool free_yaw) {
   to_ = T_world_to;
   turn_ = std::numeric_limits<double>::infinity();
   for (const Eigen::Matrix3d& S : object_.object().symmetries) {

@@ -31,7 +31,7 @@ class PutDown {
 
   /// The pose, or with a free yaw that which needs the least turn; always one that the object's
   /// symmetries allow.
-  void aim(const Eigen::Isometry3d& T_world_to, bool free_yaw);
+  void set_goal(const Eigen::Isometry3d& T_world_to, bool free_yaw);
 
   std::optional<Transfer> cheapest(const std::vector<Hold>& holds);
 

@@ -135,7 +135,7 @@ class Search {
 
   void connect(std::size_t from, std::size_t to, const std::vector<Hold>& holds) {
     PutDown put_down(object_, tool_, options_, nodes_[from].T_world_object);
-    put_down.aim(nodes_[to].T_world_object, nodes_[to].free_yaw);
+    put_down.set_goal(nodes_[to].T_world_object, nodes_[to].free_yaw);
     auto transfer = put_down.cheapest(holds);
     if (from == kStart && to + 1 == nodes_.size()) nearest_ = put_down.largest_clearance();
     if (!transfer) return;

@@ -20,7 +20,7 @@ struct GraspView {
   std::vector<tactile::Contact> lost;      ///< where fingertips that touch no more touched last
   double regain = 0;                       ///< m by which these press into the object
   Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();  ///< tracked
-  hand::ActuatorVector lead;                                        ///< rad, that mends the forces
+  hand::ActuatorVector lead;  ///< rad, that corrects the forces
 };
 
 /// Position targets that the motion asks of the fingers, within what the actuators can.

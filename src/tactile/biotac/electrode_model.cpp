@@ -24,7 +24,7 @@ constexpr int kElectrodeVersion = 1;
 constexpr int kElectrodeFeatures = 4;
 constexpr double kElectrodeFlatPressure = 20;  // counts, that keep ratios small at light touch
 constexpr double kSameSample = 1e-6;           // squared distance of standardised features
-constexpr int kGuardedMoves = 8;               // of reweighting
+constexpr int kReweightings = 8;               // of reweighting
 constexpr double kMinScale = 1e-3;             // of a residual of changes over the pressure
 constexpr double kLightPressure = 60;  // counts, at which a change over the pressure is half noise
 
@@ -90,12 +90,12 @@ Eigen::VectorXd robust_weights(const Eigen::MatrixXd& K, const Eigen::VectorXd& 
     return median({sizes.begin(), sizes.end()});
   };
   const double scale = median_size(values) + kMinScale;
-  Eigen::VectorXd doubt = Eigen::VectorXd::Ones(values.size()), weights;
-  for (int guarded_move = 0; guarded_move < kGuardedMoves; ++guarded_move) {
+  Eigen::VectorXd inflation = Eigen::VectorXd::Ones(values.size()), weights;
+  for (int iteration = 0; iteration < kReweightings; ++iteration) {
     Eigen::MatrixXd noisy = K;
-    noisy.diagonal() += noise.cwiseProduct(doubt);
+    noisy.diagonal() += noise.cwiseProduct(inflation);
     weights = noisy.llt().solve(values);
-    doubt = ((values - K * weights).cwiseAbs() / (outlier * scale)).cwiseMax(1.0);
+    inflation = ((values - K * weights).cwiseAbs() / (outlier * scale)).cwiseMax(1.0);
   }
   return weights;
 }

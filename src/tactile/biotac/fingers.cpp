@@ -20,7 +20,7 @@ constexpr double kRestPressure = 4;  // counts from rest, within which nothing t
 /// more with each newton of it, for the skin's model is the further off the more the skin yields.
 constexpr double kMaxMisfit = 1.2, kMaxMisfitPerNewton = 1.0;
 constexpr std::size_t kMeetingReadings = 30;  // before a touch, over which its way is taken
-constexpr double kMinWay = 0.002;             // m, that a tip must have gone to tell of a way
+constexpr double kMinWay = 0.002;             // m, that a tip must have gone to count as moved
 constexpr int kScalars = 3;                   // pdc, tdc, tac
 using Channels = Eigen::Matrix<double, kScalars + kElectrodes, 1>;
 

@@ -47,7 +47,7 @@ Eigen::VectorXd sd_of(const Eigen::MatrixXd& values, const Eigen::VectorXd& mean
       .cwiseMax(1e-9);
 }
 
-/// What tells how far a fit may be off: logarithms of its own variance, misfit and pressure.
+/// What predicts how far a fit may be off: logarithms of its own variance, misfit and pressure.
 Eigen::Vector4d signs_of_error(double variance, double misfit, double pressure) {
   return {1, std::log(variance), std::log(std::max(misfit, 0.05)),
           std::log(std::max(pressure, 1.0))};

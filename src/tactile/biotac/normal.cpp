@@ -25,9 +25,9 @@ constexpr double kFlatShare = 20;    // that keeps shares small where nothing ch
 constexpr double kLargeChange = 100, kSmallChange = 20;  // scales, plain and compressed
 constexpr double kLightPressure = 50;  // counts, at which a frame's noise is twice as large
 constexpr double kLowest = 5, kHighest = 4090;  // counts of an electrode, so that none divides by 0
-constexpr double kLeastSpread = 0.3;  // of normals that a finger meets, however few it learned from
-constexpr double kLeastVariance = 1e-6;  // rad^2, so that no frame settles all others
-constexpr double kConductance = 100;     // scale that makes the changes as large as in counts
+constexpr double kMinSpread = 0.3;  // of normals that a finger meets, however few it learned from
+constexpr double kMinVariance = 1e-6;  // rad^2, so that no frame settles all others
+constexpr double kConductance = 100;   // scale that makes the changes as large as in counts
 
 /// Index of the electrode opposite to each at the finger's middle plane (y = 0).
 constexpr std::array<int, kElectrodes> kMirrored = {10, 11, 12, 13, 14, 15, 6,  8,  7, 9,
@@ -99,7 +99,7 @@ double angle_between_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 double BiotacErrorModel::variance(double unlearned_variance, double pressure) const {
   const double weight = kLightPressure / std::max(pressure, kMinPressure);
-  return std::max(kLeastVariance, floor + unlearned * unlearned_variance + light * weight * weight);
+  return std::max(kMinVariance, floor + unlearned * unlearned_variance + light * weight * weight);
 }
 
 std::vector<BiotacSample> biotac_samples(const BiotacLog& log) {
@@ -144,7 +144,7 @@ BiotacNormalModel BiotacNormalModel::train(const std::vector<BiotacSample>& samp
   model.turning_ = options.turning * kDegree;
   const Eigen::MatrixXd deviations = normals.rowwise() - model.mean_normal_.transpose();
   model.spread_ =
-      std::max(kLeastSpread, std::sqrt(deviations.squaredNorm() / static_cast<double>(3 * count)));
+      std::max(kMinSpread, std::sqrt(deviations.squaredNorm() / static_cast<double>(3 * count)));
   model.prepare();
   model.weights_ = model.factor_.solve(deviations);
   return model;

@@ -7,7 +7,7 @@
 namespace palpate::tactile {
 namespace {
 
-/// A frame of a touch: what it tells, then what its neighbours tell with it.
+/// A frame of a touch: what it measures, then what its neighbours measure with it.
 struct TrackedNormal {
   std::size_t frame;
   double time;  // s

@@ -17,7 +17,7 @@ constexpr double kLastingShare = 1.0 / 3;
 struct Cluster {
   int count = 0;
   double weight = 0;
-  double point_variance = 0, normal_variance = 0;  // as the sensor itself tells
+  double point_variance = 0, normal_variance = 0;  // as the sensor itself reports
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
   Eigen::Vector3d n = Eigen::Vector3d::Zero();
   Eigen::Vector3d f = Eigen::Vector3d::Zero();
@@ -58,8 +58,8 @@ std::vector<Cluster> cluster_tip(std::span<const hand::HandReading> window, std:
   return clusters;
 }
 
-/// Of the mean contact. Averaging takes away noise, but not what a sensor tells of its error: that
-/// changes little while a contact lasts.
+/// Of the mean contact. Averaging takes away noise, but not what a sensor reports of its error:
+/// that changes little while a contact lasts.
 double point_variance(const Cluster& cluster, const ContactErrorModel& errors) {
   if (cluster.normal_variance > 0) return cluster.point_variance / cluster.weight;
   return errors.point * errors.point / cluster.count;

@@ -37,7 +37,7 @@ bool same_contacts(const FingerFrame& a, const FingerFrame& b) {
          std::equal(a.contacts.begin(), a.contacts.end(), b.contacts.begin(), same);
 }
 
-/// The contacts that tell something; flags those that do not.
+/// The contacts that have information; flags those that do not.
 std::vector<FingerContact> sound_contacts(const FingerFrame& frame, double min_force,
                                           SampleFlags& flags) {
   if (frame.contacts.empty()) flags.set(SampleFlag::no_contact);

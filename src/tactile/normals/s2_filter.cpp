@@ -31,9 +31,10 @@ constexpr double kSlides = 2;       // speed over its uncertainty
 constexpr double kMinSpeed = 1e-4;  // m/s
 
 // Tip normals are too noisy for one of them to show that the normal turned unnoticed, but their
-// mean over some ticks is not. 1 % of the time it is as far off as kDoubt by chance (chi2, 2 dof).
-constexpr double kTipMemory = 8;  // samples
-constexpr double kDoubt = 9.21;   // squared length over its variance of the mean residual
+// mean over some ticks is not. 1 % of the time it is as far off as kLagGate by chance (chi2, 2
+// dof).
+constexpr double kTipMemory = 8;   // samples
+constexpr double kLagGate = 9.21;  // squared length over its variance of the mean residual
 
 // How fast the acceleration is learnt from correlated innovations, per sample, and its bounds.
 constexpr double kAccelerationRate = 0.02;
@@ -268,13 +269,13 @@ double S2Filter::tip_lag_variance() const {
 }
 
 /// Where the normal turns slowly under the tip, the force takes it for a change of the ratio, and
-/// only the tip's shape tells, a little in every tick. If its normals stay aside of the estimate,
-/// the state becomes as uncertain as that: of tilt and ratio together, which the force cannot tell
-/// apart.
-void S2Filter::doubt(const Eigen::Vector3d& tip_normal) {
+/// only the tip's shape shows it, a little in every tick. If its normals stay aside of the
+/// estimate, the state becomes as uncertain as that: of tilt and ratio together, which the force
+/// cannot distinguish.
+void S2Filter::inflate_covariance(const Eigen::Vector3d& tip_normal) {
   const Eigen::Vector3d t = R_.transpose() * tip_normal;
   tip_lag_ += (t.head<2>() / std::max(t.z(), kMinPress) - tip_lag_) / kTipMemory;
-  if (tip_lag_.squaredNorm() < kDoubt * tip_lag_variance()) return;
+  if (tip_lag_.squaredNorm() < kLagGate * tip_lag_variance()) return;
   Vector lag = Vector::Zero();
   lag.segment<2>(kTilt) = tip_lag_;
   lag.segment<2>(kRatio) = tip_lag_ + ratio_ * ratio_.dot(tip_lag_);
@@ -324,7 +325,7 @@ NormalEstimate S2Filter::update(const FingerSample& sample) {
       step_.covariance[k].diagonal() += variances[k].segment<2>(kTilt);
     }
     merge(beliefs);
-    if (sample.tip_normal) doubt(*sample.tip_normal);
+    if (sample.tip_normal) inflate_covariance(*sample.tip_normal);
     step_.weight = weight_;
     step_.anew = false;
   }

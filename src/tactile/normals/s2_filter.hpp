@@ -57,12 +57,12 @@ struct S2Options {
 ///
 /// The state is a frame (two tangents and the normal), the ratio of tangential to normal force and
 /// the velocity of the contact in that frame, its place, and the surface's curvature along the way.
-/// A force tells the normal together with that ratio, which turns slowly and points along the
-/// sliding; the place tells the velocity, which has no part along the normal; the tip's shape tells
-/// the normal itself. Four hypotheses of what the tick was (slid on a face, crossed an edge,
-/// turned, rolled) are tried and merged at every tick (generalised pseudo-Bayes of first order,
-/// Blom & Bar-Shalom 1988), so that the normal is quick over edges and calm on faces. Noise of
-/// point, force and tip is measured from the samples, the change of the force's ratio and of the
+/// A force measures the normal together with that ratio, which turns slowly and points along the
+/// sliding; the place measures the velocity, which has no part along the normal; the tip's shape
+/// measures the normal itself. Four hypotheses of what the tick was (slid on a face, crossed an
+/// edge, turned, rolled) are tried and merged at every tick (generalised pseudo-Bayes of first
+/// order, Blom & Bar-Shalom 1988), so that the normal is quick over edges and calm on faces. Noise
+/// of point, force and tip is measured from the samples, the change of the force's ratio and of the
 /// velocity from the innovations.
 class S2Filter final : public NormalEstimator {
  public:
@@ -125,7 +125,7 @@ class S2Filter final : public NormalEstimator {
   void merge(const std::array<Belief, kHypotheses>& beliefs);
   void retract(const Vector& x);
   double tip_lag_variance() const;
-  void doubt(const Eigen::Vector3d& tip_normal);
+  void inflate_covariance(const Eigen::Vector3d& tip_normal);
   Eigen::Matrix2d missed_turn() const;
   NormalEstimate estimate(double time, NormalStatus status) const;
 

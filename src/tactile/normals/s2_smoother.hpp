@@ -8,11 +8,11 @@
 
 namespace palpate::tactile {
 
-/// S2Filter whose estimates also know the samples of a while after: each tells of the contact `lag`
+/// S2Filter whose estimates also know the samples of a while after: each is about the contact `lag`
 /// earlier (NormalEstimate::time).
 ///
 /// While the contact `lag` ago was none, the last before it is held. Where the finger may have left
-/// the surface, what came after tells nothing of what was before.
+/// the surface, what came after has no information on what was before.
 ///
 /// Fixed-lag Rauch-Tung-Striebel smoothing of the tilt alone, its correlation with the rest of the
 /// state left aside, through each tick's hypotheses by their weights.

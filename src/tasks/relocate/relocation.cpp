@@ -67,7 +67,7 @@ Relocation::Relocation(const TaskOptions& task, const RelocationOptions& options
       object_(known_object(shape_, model_.object_mass())),
       standing_(standing(object_.object(), shape_.start_rotation.toRotationMatrix())) {}
 
-/// What a finger tells of the object that a world puts there; no pose if it tells none.
+/// The estimate by touch of the object that a world puts there; no pose if there is none.
 localization::Posterior Relocation::explored(const Eigen::Vector2d& place,
                                              std::uint64_t seed) const {
   simulation::WorldOptions world_options;

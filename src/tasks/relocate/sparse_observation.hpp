@@ -5,8 +5,8 @@
 
 namespace palpate::relocate {
 
-/// The object's position as a tracker by touch tells it (estimation::OnlineTracker, in short): the
-/// place where it rested, until two fingertips touch it; then, every period, that of one period
+/// The object's position as a tracker by touch estimates it (estimation::OnlineTracker, in short):
+/// the place where it rested, until two fingertips touch it; then, every period, that of one period
 /// ago. Once the palm has risen, what the hand touches is taken to move with it meanwhile.
 class SparseObservation {
  public:

@@ -52,7 +52,7 @@ struct HandFitOptions {
   }
 };
 
-/// What a camera tells of a hand.
+/// What a camera measures of a hand.
 struct HandImage {
   Eigen::Matrix<double, 2, learning::kHandKeypoints> pixels;  ///< NaN for a joint that is not seen
   DepthImage depth;  ///< m, height x width; empty: keypoints alone
@@ -69,7 +69,7 @@ struct HandFit {
   int iterations = 0;
 };
 
-/// Where the hand is as far as depth alone tells: the center of the masked depth.
+/// Where the hand is as far as depth alone determines it: the center of the masked depth.
 /// @return none if no masked pixel has a depth
 std::optional<Eigen::Vector3d> masked_center(const PinholeCamera& camera, const HandImage& image);
 

@@ -9,7 +9,7 @@ namespace palpate::simulation {
 struct IntegralOptions {
   double time = 0.5;        ///< s, in which the integral of a constant error equals P
   double limit = 0.03;      ///< N m, of the integral: a few times what holds a joint by friction
-  double deadband = 0.004;  ///< rad, of error that is let be, lest joints hunt about their friction
+  double deadband = 0.004;  ///< rad, of error left alone: joints would hunt about their friction
 
   template <class Visitor>
   void visit(Visitor&& v) {

@@ -34,7 +34,7 @@ struct ArmOptions {
 /// The arm of an MJCF, with this hand fixed to its flange; none for "floating".
 ///
 /// The chain goes from the file's first body to one called "attachment", else to the last. Of
-/// limits of speed an MJCF tells nothing: they are those of the maker for the arms that are known
+/// limits of speed an MJCF states nothing: they are those of the maker for the arms that are known
 /// by name, else 2 rad/s; accelerations are limited to 15 rad/s^2.
 /// @throws BadInput for an unknown name, one that is not installed, or a file that is no chain of
 /// hinges with a position-controlled actuator each

@@ -19,7 +19,8 @@ namespace palpate::simulation {
 hand::Description load_hand(const std::string& name, double stiffness_scale = 4.0);
 
 /// The same, with what was guessed and what is wrong with the file.
-/// @param progress  told while postures are searched for, which takes about a minute the first time
+/// @param progress  called while postures are searched for, which takes about a minute the first
+/// time
 DescribedHand load_described_hand(const std::string& name, double stiffness_scale = 4.0,
                                   const ProgressCallback& progress = {});
 

@@ -27,14 +27,14 @@ struct WorldOptions {
   double stiffness_scale = 4.0;  ///< of the fingers' position controllers
   bool exact_tips = true;        ///< tips meet the true surface, the table its hull; else the parts
   bool biotacs = false;          ///< readings hold the channels of BioTacs on the fingertips
-  bool second_object = false;    ///< a box that the robot is not told of stands beside the object
+  bool second_object = false;    ///< a box that the robot does not know of stands beside the object
   bool corrupted_truth = false;  ///< World::truth() is wrong: whoever acts on it shows
   simulation::IntegralOptions integral;
   SensorNoise noise;
   WorldErrors error;  ///< none unless asked for: see realistic()
   ArmOptions arm;     ///< visited where a world is the robot's own, not a forward model's
 
-  /// A world like that of a real robot: nothing of it is exactly as told or as read.
+  /// A world like that of a real robot: nothing of it is exactly as given or as read.
   static WorldOptions realistic();
 
   template <class Visitor>
@@ -101,7 +101,7 @@ class World {
   /// @param way  m, in the world
   void push_object(const Eigen::Vector2d& way, double seconds);
 
-  /// Tells of every step of the physics from now on; an empty observer ends that.
+  /// Calls the observer after every step of the physics from now on; an empty one ends that.
   void observe(StepObserver observer);
 
   /// True when the simulation has become unstable since the last reset; readings then mean nothing.

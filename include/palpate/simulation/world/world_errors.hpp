@@ -3,7 +3,7 @@
 
 namespace palpate::simulation {
 
-/// By how much a world differs from what the robot is told of it; drawn once a world. "rms": the
+/// By how much a world differs from what the robot is given of it; drawn once a world. "rms": the
 /// root mean square of a vector's length; "up to": uniform between plus and minus that.
 ///
 /// Figures of realistic(): repeatability and hand-eye calibration of industrial arms, data sheets

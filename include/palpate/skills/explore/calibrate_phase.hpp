@@ -14,7 +14,7 @@ struct CalibrateOptions {
   double touch_force = 0.1;   ///< N at the fingertip
   double rest = 0.25;         ///< s that the fingertip rests and is averaged
   double sigma = 0.0003;      ///< m, of a resting tip's height but for the links, at least
-  // What is believed before of what the touches then tell, standard deviations.
+  // Prior of what the touches then measure, standard deviations.
   double mount = 0.001;         ///< m, of where the arm carries the hand, per axis
   double mount_angle = 0.005;   ///< rad, per axis
   double table_height = 0.005;  ///< m, at the world's origin
@@ -40,8 +40,8 @@ struct CalibrateOptions {
   }
 };
 
-/// What the touches of the bare table in a log tell of the hand and of the table, believed to be
-/// z = 0 (tactile::calibrate_links). As both were given where there are none, or where they
+/// Calibration of the hand and of the table by the touches of the bare table in a log, believed to
+/// be z = 0 (tactile::calibrate_links). As both were given where there are none, or where they
 /// contradict one another.
 tactile::HandCalibration calibration(const hand::Description& hand, const estimation::EventLog& log,
                                      const CalibrateOptions& options);
@@ -50,10 +50,10 @@ tactile::HandCalibration calibration(const hand::Description& hand, const estima
 hand::Description calibrated_hand(const hand::Description& hand, estimation::EventLog& log,
                                   const CalibrateOptions& options);
 
-/// Finds out where the hand's links really are, how the arm carries it, where the table is, and
+/// Calibrates where the hand's links really are, how the arm carries it, where the table is, and
 /// what the mount's load reads where nothing loads it: touches the bare table with one fingertip
-/// after the other in those attitudes that tell most about where fingertips are in grasps. The
-/// robot gets the calibrated hand; from then on z = 0 is the table.
+/// after the other in those attitudes that are most informative about where fingertips are in
+/// grasps. The robot gets the calibrated hand; from then on z = 0 is the table.
 class CalibratePhase : public Phase {
  public:
   explicit CalibratePhase(const CalibrateOptions& options) : options_(options) {}

@@ -8,7 +8,7 @@ namespace palpate::skills {
 
 struct ExploreOptions {
   int touches = 8;            ///< guarded moves around the object; 0: none
-  int max_touches = 16;       ///< with those that tell apart what the first ones left open
+  int max_touches = 16;       ///< with those that resolve what the first ones left open
   int refining = 4;           ///< at most, that make the best pose exact
   double certain = 0.97;      ///< weight of a pose that needs no more touches
   double turn = 3.14159265;   ///< of the hand for every other one of them, rad
@@ -45,10 +45,10 @@ struct ExploreOptions {
 /// Touches the resting object from all sides with a stretched finger, gently enough not to move it,
 /// and estimates how it lies. The hand keeps its posture and only travels, so that what is wrong
 /// with the model of the finger shifts all contacts alike and leaves their shape. For every other
-/// touch it is turned round, which turns that shift round, too, and so tells it from the object's
-/// place. A guarded move is fast where the object cannot be yet, by its size at first and by its
-/// possible poses as soon as some touches tell of them, and slow from there on: a fast one pushes
-/// it. So is the way down to a guarded move's start, and what stops that is a touch, too.
+/// touch it is turned round, which turns that shift round, too, and so distinguishes it from the
+/// object's place. A guarded move is fast where the object cannot be yet, by its size at first and
+/// by its possible poses as soon as some touches show them, and slow from there on: a fast one
+/// pushes it. So is the way down to a guarded move's start, and what stops that is a touch, too.
 ///
 /// Where no moves are left to distinguish poses (max_touches <= touches), guarded moves without
 /// contact are replaced by moves from directions in between, at most as many again.

@@ -122,7 +122,7 @@ class GraspPhase : public Phase {
   PhaseEnd held_up(const Executor& robot) const;
   Hold balance(const Executor& robot, const PickState& state) const;
   void press(Executor& robot, const Hold& hold) const;
-  void let_go(Executor& robot) const;
+  void release(Executor& robot) const;
 
   GraspOptions options_;
   const geometry::ObjectModel& object_;

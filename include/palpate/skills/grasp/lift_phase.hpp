@@ -37,7 +37,7 @@ struct LiftOptions {
   }
 };
 
-/// Lifts, waits, and judges by touch and load whether the object is held: enough of its weight
+/// Lifts, waits, and decides by touch and load whether the object is held: enough of its weight
 /// hangs in the hand, enough fingers touch it, and it has not slipped along them during the hold.
 /// It begins slowly, and a grip that gives way is noticed while the object still stands on the
 /// table: the hand then goes back down and still holds what it held.

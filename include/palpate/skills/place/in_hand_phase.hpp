@@ -33,11 +33,11 @@ struct InHandReorientationOptions {
 /// What the fingers were asked and what became of it, as the robot itself knows it.
 struct InHandReorientation {
   Eigen::Vector3d asked = Eigen::Vector3d::Zero();  ///< rotation vector, world's axes, rad
-  double base_turn = 0;   ///< rad that the base would have had to turn without it
-  std::string why;        ///< the fingers were used
-  ReorientResult result;  ///< with the tracked pose at the end
-  bool lost = false;      ///< too little hangs in the hand afterwards
-  bool known = false;     ///< the tracked pose is certain enough to go on with
+  double base_rotation = 0;  ///< rad that the base would have had to turn without it
+  std::string why;           ///< the fingers were used
+  ReorientResult result;     ///< with the tracked pose at the end
+  bool lost = false;         ///< too little hangs in the hand afterwards
+  bool known = false;        ///< the tracked pose is certain enough to go on with
 };
 
 /// The rotation (world's axes, rad) of the object in the hand that takes the most of the turn from
@@ -45,7 +45,7 @@ struct InHandReorientation {
 Eigen::Vector3d share_of_fingers(const hand::BasePosition& from, const hand::BasePosition& to,
                                  double most);
 
-/// The grasp after the object has turned in the hand about its centroid. What the table told of
+/// The grasp after the object has turned in the hand about its centroid. What the table fixed of
 /// height and tilt when the fingers closed is of no use then.
 HeldObject turned_in_hand(const HeldObject& held, const hand::BasePosition& base,
                           const Eigen::Vector3d& rotation_world);

@@ -19,9 +19,9 @@ struct StrategyTaken {
   };
   PlaceStrategy strategy = PlaceStrategy::wrist;  ///< wrist, fingers or regrasp
   std::string reason;
-  std::optional<InHandReorientation> turn;  ///< the last one by the fingers
-  std::optional<RegraspStatus> regrasp;     ///< how that ended
-  std::vector<Round> rounds;                ///< of regrasping
+  std::optional<InHandReorientation> reorientation;  ///< the last one by the fingers
+  std::optional<RegraspStatus> regrasp;              ///< how that ended
+  std::vector<Round> rounds;                         ///< of regrasping
 };
 
 /// All picks and placings on the way of an object to its target.

@@ -107,9 +107,9 @@ struct PlaceResult {
   bool on_the_way = false;  ///< the target was one on the way to the target proper
   Eigen::Isometry3d T_world_target = Eigen::Isometry3d::Identity();
   std::optional<PlaceGoal> goal;
-  std::optional<InHandReorientation> turn;          ///< in the hand, where the fingers were used
-  planning::Plan motion;                            ///< of the transport
-  std::optional<Eigen::Isometry3d> T_world_placed;  ///< as it was let go, estimated
+  std::optional<InHandReorientation> reorientation;  ///< in the hand, where the fingers were used
+  planning::Plan motion;                             ///< of the transport
+  std::optional<Eigen::Isometry3d> T_world_placed;   ///< as it was let go, estimated
   Eigen::Vector2d lost_at{0, 0};  ///< m, where contacts were sensed last, of a lost object
   /// m, where the object was put down instead, where no way back was free
   std::optional<Eigen::Vector2d> put_aside;

@@ -26,8 +26,8 @@ struct HeldObject {
 /// Height and tilt need no estimate, for the table fixed them when the fingers closed.
 /// @param posterior  of the held object, in the world, at that reading
 /// @param at  reading of the log where the object hangs in the hand
-/// @param turned  by the fingers, since they closed, or fallen before: then what the table told of
-///        a stable pose counts no more
+/// @param turned  by the fingers, since they closed, or fallen before: then the height and tilt
+///        that the table fixed count no more
 /// @return nothing without modes, without an instant, or where the hand has not closed
 std::optional<HeldObject> held_object(const geometry::KnownObject& object,
                                       const localization::Posterior& posterior,
@@ -39,7 +39,7 @@ std::optional<HeldObject> held_object(const geometry::KnownObject& object,
 struct PlaceGoal {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< one of equal targets
   Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();   ///< that it counts on
-  hand::BasePosition seat;                                           ///< object at the target
+  hand::BasePosition base;                                           ///< object at the target
   hand::BasePosition above;                                          ///< object over it
 };
 

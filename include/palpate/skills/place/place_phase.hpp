@@ -50,9 +50,9 @@ struct LowerOptions {
 /// could refuse it.
 LowerOptions never_refused(LowerOptions options);
 
-/// Lets go of an object that stands on the table: marks `placed`, takes the squeeze back as it
-/// came, then opens slowly.
-void let_go(Executor& robot, const LowerOptions& options);
+/// Lets go of an object that stands on the table: records the event `placed`, takes the squeeze
+/// back as it came, then opens slowly.
+void release(Executor& robot, const LowerOptions& options);
 
 /// Opens around an object that the hand has grasped and not lifted.
 class OpenPhase : public Phase {
@@ -82,7 +82,7 @@ class PlacePhase : public Phase {
   enum class Touchdown { flat, early, nothing, lost };
   /// Pose of the object in the closed hand when the table bore it, in the world, estimated.
   const Eigen::Isometry3d& T_world_object() const { return T_world_object_; }
-  bool let_go() const { return let_go_; }
+  bool released() const { return released_; }
   /// How the last descent ended.
   Touchdown touchdown() const { return touchdown_; }
 
@@ -96,7 +96,7 @@ class PlacePhase : public Phase {
   Eigen::Isometry3d T_world_object_ = Eigen::Isometry3d::Identity();
   hand::BasePosition contact_;  // commanded at the last contact
   double height_error_ = 0;     // m, of the contact over where it was expected
-  bool let_go_ = false;
+  bool released_ = false;
   Touchdown touchdown_ = Touchdown::nothing;
 };
 

@@ -56,7 +56,7 @@ PlaceTarget parse_target(std::string_view text, const geometry::KnownObject& obj
 
 /// A pose in another stable pose than the object starts in, drawn by the seed: a stable pose by its
 /// probability, at a random spot as above. Who sets the task knows how the object starts; the robot
-/// is told the pose alone.
+/// is given the pose alone.
 /// @param wanted  the stable pose of the target; -1: drawn
 /// @param reach  m, how far from the origin the spot may be
 /// @throws BadInput for a stable pose that the object does not have, where all are equal by

@@ -15,7 +15,7 @@ struct PalpationOptions {
   /// by the table, once the object hangs.
   double doubtful = 0.5;
   double certain = 0.8;          ///< weight of a pose that needs none
-  double min_gain_rate = 0.025;  ///< nats/s that are expected to be told, at least
+  double min_gain_rate = 0.025;  ///< nats/s of expected information, at least
   double opening = 0.5;       ///< of the proximal joint before a finger moves to another spot, rad
   double spread = 0.25;       ///< sideways, to either side, at most, rad
   double bend = 0.6;          ///< of the outer joints, to reach lower or higher, at most, rad
@@ -61,8 +61,8 @@ struct PalpationOptions {
 };
 
 /// Touches more of the object in the hand while its best pose is in doubt. Of all that could be
-/// done the phase does what should tell most about the poses in question, a second of the robot's
-/// time:
+/// done the phase does what is expected to be most informative about the poses in question, a
+/// second of the robot's time:
 ///
 /// - before the lift, a finger that the others can do without touches another spot, and comes back;
 /// - the object is let go and grasped from another side. Then the phase ends; the grasp is left to

@@ -80,7 +80,7 @@ class MeetingWay {
 /// tip. The skin itself is known, so that the point across the surface is off by the second order
 /// of that only.
 ///
-/// Where the pressure tells of a touch whose place no electrode tells (light, or beside the
+/// Where the pressure shows a touch whose place no electrode measures (light, or beside the
 /// electrodes), the contact is blunt: it lies on the tip's ball on the side to which the tip moved
 /// when it met the object, with as large an error as that has.
 class BiotacFingers {
@@ -97,7 +97,7 @@ class BiotacFingers {
   /// An estimated contact in the frame of the finger's distal link.
   [[nodiscard]] hand::TipContact in_link(const InferredContact& contact, int finger) const;
 
-  /// Puts the contacts that the channels tell of in the place of the reading's.
+  /// Puts the contacts inferred from the channels in the place of the reading's.
   void infer_contacts(hand::HandReading& reading);
 
   /// Follows the sensors' state through a reading of whose contacts nobody asks.

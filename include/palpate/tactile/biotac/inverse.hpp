@@ -19,7 +19,7 @@ struct InferredContact {
   Eigen::Vector3d f;  ///< force on the object, N
   /// Of the point in the skin's tangent plane and the force: [u v fu fv fn], m and N, along the
   /// columns of `tangents` and the skin's outward normal. Diagonal: of how the errors go together
-  /// it tells nothing. On simulated touches 0.90 of the errors lie within two standard deviations,
+  /// it states nothing. On simulated touches 0.90 of the errors lie within two standard deviations,
   /// where Gaussian ones would be 0.95.
   Eigen::Matrix<double, 5, 5> covariance;
   Eigen::Matrix3d tangents;  ///< columns u, v and the skin's outward normal at p
@@ -66,7 +66,7 @@ class BiotacInverse {
 
   [[nodiscard]] const BiotacSensorOptions& sensor() const { return sensor_options_; }
 
-  /// Nothing where the pressure tells of no contact.
+  /// Nothing where the pressure shows no contact.
   [[nodiscard]] std::optional<InferredContact> estimate(const DecodedReading& reading) const;
 
  private:

@@ -82,7 +82,7 @@ class BiotacNormalModel {
   static BiotacNormalModel parse(std::string_view bytes, const std::string& source);
   [[nodiscard]] std::string bytes() const;
 
-  /// What the Gaussian process tells of one frame.
+  /// What the Gaussian process predicts for one frame.
   struct Prediction {
     Eigen::Vector3d n;
     double variance = 0;  ///< of its own, per tangent axis, rad^2
@@ -100,11 +100,11 @@ class BiotacNormalModel {
 
   /// The normals of a log's usable frames.
   ///
-  /// What a touch tells in one frame holds for its neighbours, as far as the normal does not turn
-  /// between them (a random walk): from the whole log every frame is smoothed with those before and
-  /// after it, causally with those before it (Rauch, Tung & Striebel 1965). The errors of a touch
-  /// have too much in common to average out: the variance is the weighted mean of the frames', not
-  /// less.
+  /// What a touch measures in one frame holds for its neighbours, as far as the normal does not
+  /// turn between them (a random walk): from the whole log every frame is smoothed with those
+  /// before and after it, causally with those before it (Rauch, Tung & Striebel 1965). The errors
+  /// of a touch have too much in common to average out: the variance is the weighted mean of the
+  /// frames', not less.
   /// @param signals  of biotac_signals with the same `tracking`
   [[nodiscard]] std::vector<std::optional<BiotacNormal>> track(const BiotacLog& log,
                                                                const BiotacSignals& signals,

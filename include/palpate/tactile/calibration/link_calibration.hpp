@@ -33,15 +33,15 @@ struct MountPrior {
   double table_tilt = 0;    ///< rad, of the plane
 };
 
-/// What touches of a plane tell.
+/// The hand and the plane calibrated by touches of the plane.
 struct HandCalibration {
   hand::Description hand;
   /// The plane, from where it was believed: raised, and tilted about its frame's x and y.
   Eigen::Isometry3d T_believed_plane = Eigen::Isometry3d::Identity();
 };
 
-/// The hand whose links are where touches of a plane tell that they are, where the base carries it,
-/// and where the plane is.
+/// The hand whose links are where touches of a plane place them, where the base carries it, and
+/// where the plane is.
 ///
 /// Unknown are a displacement of every link that may_be_misplaced(), normal with the hand's
 /// kinematic_error, and those of MountPrior; a point's distance from the plane is linear in all of

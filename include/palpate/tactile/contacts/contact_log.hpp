@@ -21,7 +21,7 @@ struct FingerLog {
 
 /// Reads a CSV of contacts, one a row: columns finger, t and the vectors p, f and, optionally, n
 /// (px,py,pz or x,y,z; fx,fy,fz; nx,ny,nz) and tn (tnx,tny,tnz: outward normal of the object as the
-/// fingertip's own shape has it; zero where the tip tells none); others are ignored. Rows of one
+/// fingertip's own shape has it; zero where the tip gives none); others are ignored. Rows of one
 /// finger that follow each other with the same t are one frame. A t of whole numbers only counts
 /// ticks.
 ///

@@ -20,11 +20,11 @@ enum class SampleFlag : unsigned {
   repeated = 1u << 2,      ///< time or content is that of the last frame
   out_of_order = 1u << 3,  ///< its time lies before that of an earlier frame
   placeholder = 1u << 4,   ///< nothing but forces of exactly (0, -1, 0)
-  no_force = 1u << 5,      ///< contacts, but no force that tells a direction
+  no_force = 1u << 5,      ///< contacts, but no force that has a direction
   not_finite = 1u << 6,    ///< a value that is not finite
   no_contact = 1u << 7,    ///< the finger touches nothing
   far_apart = 1u << 8,     ///< contacts too far apart, in place or direction, to be one
-  left_out = 1u << 9,      ///< of its contacts, some told nothing and are not in it
+  left_out = 1u << 9,      ///< of its contacts, some were not informative and are not in it
 };
 inline constexpr int kSampleFlags = 10;
 
@@ -75,7 +75,7 @@ struct FingerSample {
 
 struct SampleOptions {
   double period = hand::kTick;  ///< s between frames
-  double min_force = 1e-3;      ///< N; less tells no direction
+  double min_force = 1e-3;      ///< N; less has no direction
   double one_contact = 0.008;   ///< m; contacts further apart are not one
   double one_direction = 1.0;   ///< rad; nor are those whose tip normals differ by more
 

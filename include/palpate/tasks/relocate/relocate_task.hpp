@@ -49,9 +49,9 @@ struct RelocateStart {
   Eigen::Vector2d object = Eigen::Vector2d::Zero();       ///< of its frame's origin, m
   Eigen::Vector3d target = Eigen::Vector3d::Zero();       ///< m
   Eigen::Vector3d object_bias = Eigen::Vector3d::Zero();  ///< m, of the object's place as observed
-  int observation_period = 0;  ///< control steps between, and delay of, what is told of the object
-                               ///< in the grasp; 0: always the true position
-  double encoder_noise = 0;    ///< m, rad; 0: proprioception has the true velocities
+  int observation_period = 0;      ///< control steps between, and delay of, what is observed of the
+                                   ///< object in the grasp; 0: always the true position
+  double encoder_noise = 0;        ///< m, rad; 0: proprioception has the true velocities
   std::uint64_t encoder_seed = 0;  ///< of that noise
 };
 
@@ -60,7 +60,7 @@ struct RelocateStart {
 /// @param scale  s, 0..1; the published task has 0.25
 RelocateStart sample_relocate_start(RandomStream& random, double scale);
 
-/// What a robot's own sensors tell beyond the observation.
+/// What a robot's own sensors measure beyond the observation.
 struct Proprioception {
   RelocateJoints velocity = RelocateJoints::Zero();  ///< of the joints, m/s, rad/s
   RelocateJoints bias = RelocateJoints::Zero();  ///< force that holds the joints at rest, N, N m

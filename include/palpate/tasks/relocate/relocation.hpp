@@ -13,7 +13,7 @@
 
 namespace palpate::relocate {
 
-/// How a policy of the relocate task learns where the object is (thesis chapter 7 tells it).
+/// How a policy of the relocate task learns where the object is (thesis chapter 7 is given it).
 struct RelocationOptions {
   bool explore = true;  ///< the resting object is touched first, else only `uncertainty` known
   double uncertainty = 0.02;  ///< m, within which the object's place is known at first, in x and y

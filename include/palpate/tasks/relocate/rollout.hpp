@@ -46,8 +46,8 @@ struct EpisodeOptions {
   double scale_high = 0.25;
   double at_ends = 0;      ///< share of the episodes whose scale is one of the two, evenly
   double object_bias = 0;  ///< m, error of the object's place as observed, some way an episode
-  double observation_period = 0;  ///< s between, and delay of, what is told of the object in grasp
-  double encoder_noise = 0;  ///< m, rad, of the encoders that tell the velocities; 0: the true ones
+  double observation_period = 0;  ///< s between, and delay of, observations of the object in grasp
+  double encoder_noise = 0;       ///< m, rad, of the encoders of the velocities; 0: the true ones
 
   template <class Visitor>
   void visit(Visitor&& v) {

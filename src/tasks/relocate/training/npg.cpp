@@ -116,7 +116,7 @@ Batch gather(const NpgState& state, const MlpPolicy& policy, const std::vector<P
   Batch batch{MatrixXd(kRelocateObservations, steps), MatrixXd(kRelocateJoints, steps),
               MatrixXd(kRelocateObservations + kTimePowers, steps), VectorXd(steps),
               VectorXd(steps)};
-  VectorXd foretold(steps);
+  VectorXd predictions(steps);
   Index next = 0;
   for (const Path& path : paths) {
     const Index n = path.rewards.size();
@@ -128,10 +128,10 @@ Batch gather(const NpgState& state, const MlpPolicy& policy, const std::vector<P
     batch.advantages.segment(next, n) =
         generalized_advantages(path.rewards, values, options.discount, options.trace);
     batch.returns.segment(next, n) = discounted_returns(path.rewards, options.discount);
-    foretold.segment(next, n) = values.head(n);
+    predictions.segment(next, n) = values.head(n);
     next += n;
   }
-  result.explained = explained_share(batch.returns, foretold);
+  result.explained = explained_share(batch.returns, predictions);
   batch.advantages.array() -= batch.advantages.mean();
   const double spread = std::sqrt(batch.advantages.squaredNorm() / static_cast<double>(steps));
   if (spread > 0) batch.advantages /= spread;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//! A ROS 2 node by another implementation of DDS: tells what a hand senses again and again, at
+//! A ROS 2 node by another implementation of DDS: publishes what a hand senses again and again, at
 //! 100 Hz and with stamps of the present, and listens to what is estimated.
 //!
 //! usage: rustdds_peer DOMAIN SENSED.json POSES SECONDS

@@ -13,7 +13,7 @@ namespace palpate::relocate {
 void save_policy(const std::filesystem::path& path, const PolicyRecord& record);
 
 /// Reads what save_policy wrote, or the weights of a DexMV policy as JSON (W0, b0, ... , log_std),
-/// told apart by their keys.
+/// distinguished by their keys.
 /// @throws BadInput, naming the file and what is wrong: missing, not JSON, of another format,
 ///         version or task, an unknown or missing key, a value that is no finite number
 PolicyRecord read_policy(const std::filesystem::path& path);

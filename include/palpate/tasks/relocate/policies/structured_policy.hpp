@@ -59,9 +59,9 @@ StructuredParameters unflatten(const Eigen::VectorXd& values);
 /// smooth gates on how near and how flexed the hand is. One frame decides; there is no clock.
 ///
 /// The base is underdamped, so a velocity is needed to stop it. It is read from the joints, or, for
-/// a policy on the observations alone, a network tells it from one frame: some finger joints that
-/// the grasp does not need are commanded to copy the base's position, and how far they lag behind
-/// shows its velocity.
+/// a policy on the observations alone, a network estimates it from one frame: some finger joints
+/// that the grasp does not need are commanded to copy the base's position, and how far they lag
+/// behind shows its velocity.
 class StructuredPolicy : public Policy {
  public:
   /// Inputs of the velocity observer: observation, gates, lags of the memory and their products.
@@ -73,7 +73,7 @@ class StructuredPolicy : public Policy {
     Eigen::Vector3d velocity(const Eigen::VectorXd& features) const;  ///< m/s
   };
 
-  /// @param center, half_range  of the actions, as RelocateModel tells them
+  /// @param center, half_range  of the actions, as RelocateModel gives them
   /// @param with_memory         whether the memory joints are used as such
   /// @param observer            none: the velocity is read from the joints
   StructuredPolicy(const StructuredParameters& parameters, const RelocateAction& center,

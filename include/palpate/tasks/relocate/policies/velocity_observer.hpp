@@ -29,10 +29,10 @@ struct ObserverFit {
   double r2 = 0;  ///< of the velocities of the last round's frames, before they were learnt from
 };
 
-/// Learns to tell the base's velocity from one frame, on the frames that the policy meets: in the
-/// first round it reads the velocity, from then on it relies on the observer of the round before
-/// (Ross et al. 2011). Each episode runs a slightly perturbed policy, so that the observer also
-/// holds near by. A policy that has an observer relies on it, and it is where the fit starts.
+/// Learns to estimate the base's velocity from one frame, on the frames that the policy meets: in
+/// the first round it reads the velocity, from then on it relies on the observer of the round
+/// before (Ross et al. 2011). Each episode runs a slightly perturbed policy, so that the observer
+/// also holds near by. A policy that has an observer relies on it, and it is where the fit starts.
 /// @param worlds  an episode takes place in one of them, one after the other
 /// @throws BadInput if no frame was met
 ObserverFit fit_observer(const std::vector<RelocateModel>& worlds, const StructuredPolicy& policy,

@@ -76,7 +76,7 @@ struct NpgIteration {
   double mean_return = 0, success_5cm = 0;  ///< of the exploring policy
   double surrogate_gain = 0;  ///< of the mean advantage-weighted likelihood ratio, by the step
   double divergence = 0;      ///< of the step
-  double explained = 0;       ///< share of the returns' variance that the value network foretold
+  double explained = 0;       ///< share of the returns' variance that the value network predicted
   int diverged = 0;           ///< episodes that were left out
 };
 

@@ -33,7 +33,7 @@ class Trainer {
   virtual void restore(const learning::Checkpoint& checkpoint) = 0;
 };
 
-/// A trainer whose rollouts may be run elsewhere: who asks, runs what is asked for and tells the
+/// A trainer whose rollouts may be run elsewhere: who asks, runs what is asked for and reports the
 /// results, until tell() ends the iteration, has done what iterate() does, bit for bit.
 class SearchTrainer : public Trainer {
  public:
