@@ -83,7 +83,8 @@ std::string hint_for(const geometry::ObjectModel& model, lo::Evidence evidence, 
            "point out of the object";
   }
   if (!evidence.table) {
-    return "no pose explains these contacts: another object, more noise than stated, or a mesh less "
+    return "no pose explains these contacts: another object, more noise than stated, or a mesh "
+           "less "
            "exact than surface_sigma states";
   }
   const double height = evidence.table->T_frame_table.translation().z();
@@ -94,7 +95,8 @@ std::string hint_for(const geometry::ObjectModel& model, lo::Evidence evidence, 
         "the height of the table in the contacts' frame, z up",
         height);
   }
-  return "no pose explains these contacts, with --table or without: another object, more noise than "
+  return "no pose explains these contacts, with --table or without: another object, more noise "
+         "than "
          "stated, or a mesh less exact than surface_sigma states";
 }
 
