@@ -70,21 +70,27 @@ std::string end_of(const recording::Recording& recording) {
   return fmt::format("the recording ends in phase {} ({}); nothing was held", phase, how);
 }
 
-/// Options of the tracker of an episode, changed by --set.
+bool is_of_tracker(std::string_view key) {
+  if (key.starts_with(kExpertSection)) key.remove_prefix(kExpertSection.size());
+  return key.starts_with(kTracking);
+}
+
+/// Options of the tracker of an episode, changed by --config and --set.
 /// @throws BadInput for another value of what a replay does not read
 estimation::OnlineTrackerOptions tracker_options(const recording::Recording& recording,
                                                  const CommonOptions& common,
                                                  const std::string& name) {
   RolloutOptions options;
   parse_toml(recording.header.config_toml, name, options, Earlier::accepted);
+  const auto recorded = list_options(options);
   if (!common.config.empty()) load_toml(common.config, options);
-  for (const auto& assignment : common.set) {
-    apply_setting(assignment, options);
-    if (assignment.starts_with(kTracking)) continue;
-    throw BadInput(
-        fmt::format("{}: of an episode by touch a replay reads {}* only, and does not "
-                    "change what was done and sensed",
-                    assignment, kTracking));
+  for (const auto& assignment : common.set) apply_setting(assignment, options);
+  const auto asked = list_options(options);
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    if (asked[i].value == recorded[i].value || is_of_tracker(asked[i].key)) continue;
+    throw BadInput(fmt::format("{} = {}: of an episode by touch a replay reads {}* only, and does "
+                               "not change what was done and sensed",
+                               asked[i].key, asked[i].value, kTracking));
   }
   return options.touch.tracking;
 }

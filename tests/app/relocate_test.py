@@ -86,8 +86,10 @@ class RelocateTest(cli.CliTest):
         self.assertNotEqual(wider["modes"][0]["T_world_object"], again["modes"][0]["T_world_object"])
         done = self.run_program("replay", "r/episode-0.h5", "--set", "task.mass_scale=2")
         self.assertEqual(done.returncode, cli.BAD_INPUT)
-        self.assertIn("task.mass_scale=2: of an episode by touch a replay reads touch.tracking.*",
+        self.assertIn("task.mass_scale = 2.0: of an episode by touch a replay reads touch.tracking.*",
                       done.stderr)  # fmt: skip
+        expert = "expert.touch.tracking.estimation.surface_sigma=0.001"
+        self.run_json("replay", "r/episode-0.h5", "--set", expert)
         self.run_json("rollout", "relocate-robust", *few[:4], "--record", "1", "--out", "t")
         done = self.run_program("replay", "t/episode-0.h5")
         self.assertEqual(done.returncode, cli.BAD_INPUT)
