@@ -88,9 +88,10 @@ estimation::OnlineTrackerOptions tracker_options(const recording::Recording& rec
   const auto asked = list_options(options);
   for (std::size_t i = 0; i < asked.size(); ++i) {
     if (asked[i].value == recorded[i].value || is_of_tracker(asked[i].key)) continue;
-    throw BadInput(fmt::format("{} = {}: of an episode by touch a replay reads {}* only, and does "
-                               "not change what was done and sensed",
-                               asked[i].key, asked[i].value, kTracking));
+    throw BadInput(
+        fmt::format("{} = {}: of an episode by touch a replay reads {}* only, and does "
+                    "not change what was done and sensed",
+                    asked[i].key, asked[i].value, kTracking));
   }
   return options.touch.tracking;
 }
