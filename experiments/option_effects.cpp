@@ -41,7 +41,7 @@ const std::vector<Job> kJobs = {
     {"regrasp",
      "box",
      {"place.target=stable_pose", "place.strategy=regrasp"},
-     {"place.regrasp.", "place.stable_pose"}},
+     {"place.regrasp.", "place.stable_pose", "place.turn_press"}},
     {"fingers", "box", {"place.target=0.15,0.1,0.5", "place.strategy=fingers"}, {"place.fingers."}},
     {"biotac", "box", {"touch.source=biotac"}, {"touch."}, true},
     {"slippery", "bottle", {"world.hand_friction=0.3"}, {}},
