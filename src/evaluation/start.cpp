@@ -29,8 +29,9 @@ simulation::Start drawn(const geometry::KnownObject& object, const StartOptions&
   }
   if (options.stable_pose >= 0) start.stable_pose = options.stable_pose;
   start.yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
-  start.xy = {options.x + random.uniform(-options.uncertainty, options.uncertainty),
-              options.y + random.uniform(-options.uncertainty, options.uncertainty)};
+  const double half_width = options.half_width();
+  start.xy.x() = options.x + random.uniform(-half_width, half_width);
+  start.xy.y() = options.y + random.uniform(-half_width, half_width);
   return start;
 }
 
@@ -39,7 +40,7 @@ bool stays(simulation::World& world, const simulation::Start& start, const Start
            const hand::HandCommand& waiting) {
   const auto place = world.resting_place(start, waiting);
   return place && (*place - Eigen::Vector2d(options.x, options.y)).cwiseAbs().maxCoeff() <=
-                      options.uncertainty + kPlaceMargin;
+                      options.half_width() + kPlaceMargin;
 }
 
 }  // namespace

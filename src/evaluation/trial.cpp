@@ -42,7 +42,7 @@ Trial unstable(const simulation::Start& start) {
 /// The object must not stand on the fixture before it is picked.
 void check_clear(const planning::Fixture& fixture, const geometry::KnownObject& object,
                  const StartOptions& start) {
-  const double room = radius_of(object) + std::numbers::sqrt2 * start.uncertainty;
+  const double room = radius_of(object) + std::numbers::sqrt2 * start.half_width();
   for (const auto& wall : fixture) {
     const Eigen::Vector3d origin =
         wall.T_world_box.inverse() * Eigen::Vector3d(start.x, start.y, 0);

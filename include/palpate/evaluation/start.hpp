@@ -14,7 +14,10 @@ inline constexpr double kPlaceMargin = 0.005;
 struct StartOptions {
   int stable_pose = -1;       ///< index into KnownObject::stable poses; -1: drawn by probability
   double x = 0, y = 0;        ///< m, of its rough place on the table
-  double uncertainty = 0.04;  ///< m: its centroid is within +- of there
+  double uncertainty = 0.04;  ///< m: its centroid is within +- of there, as the robot believes
+  double spread = 0;          ///< m: within +- of there, in truth; 0: as the robot believes
+
+  [[nodiscard]] double half_width() const { return spread > 0 ? spread : uncertainty; }
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -22,6 +25,8 @@ struct StartOptions {
       "index of the initial stable pose; -1: drawn by probability");
     v("uncertainty", uncertainty, 0.0, 0.1,
       "m, the object is within +- this of its approximate position");
+    v.expert("spread", spread, 0.0, 0.2,
+             "m, the object truly is within +- this of it; 0: uncertainty");
     v.expert("x", x, -3.0, 3.0, "m, approximate position of the object, as in --at");
     v.expert("y", y, -3.0, 3.0, "m, approximate position of the object, as in --at");
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "palpate/core/se3.hpp"
 #include "palpate/hand/kinematics.hpp"
 
 namespace palpate::simulation {
@@ -28,7 +29,10 @@ Value delayed(std::deque<Value>& last, Value now, std::size_t ticks) {
 
 SensorErrors::SensorErrors(const WorldOptions& options, const hand::Description& hand,
                            double weight, const RandomStream& random)
-    : noise_(options.noise), hand_(hand) {
+    : noise_(options.noise),
+      touches_(hand.fingers.size()),
+      touch_random_(random.fork("touch noise")),
+      hand_(hand) {
   const WorldErrors& error = options.error;
   RandomStream arm = random.fork("arm"), load = random.fork("load bias"),
                drives = random.fork("drives");
@@ -43,10 +47,19 @@ SensorErrors::SensorErrors(const WorldOptions& options, const hand::Description&
     torque_friction_[i] =
         error.torque_friction * hand.actuators[static_cast<std::size_t>(i)].max_torque;
   }
+  RandomStream joints = random.fork("joint zeros"), tips = random.fork("fingertips");
+  joint_zero_.resize(hand.joint_count());
+  for (double& zero : joint_zero_) zero = error.joint_zero * joints.normal();
+  drive_zero_ = hand::actuator_positions(hand, joint_zero_);
+  for (TouchError& touch : touches_) {
+    touch.radius = error.tip_radius * tips.normal();
+    touch.offset = error.touch / std::sqrt(3.0) * tips.normal3();
+  }
   reset();
 }
 
 void SensorErrors::reset() {
+  drift_touch(0);
   slipped_.setZero(torque_scale_.size());
   last_positions_.resize(0);
   bases_.clear();
@@ -58,12 +71,44 @@ hand::BasePosition SensorErrors::in_world(hand::BasePosition base) const {
   return base;
 }
 
+hand::ActuatorVector SensorErrors::in_drives(const hand::ActuatorVector& positions) const {
+  return positions - drive_zero_;
+}
+
 void SensorErrors::misread(hand::HandReading& reading) {
   const Eigen::Matrix3d R_world_mount = reading.base.pose().linear();
   reading.base_force += R_world_mount * (load_bias_ + reading.time * load_drift_);
   reading.base_force.z() += load_weight_;
   reading.base.xyz.z() -= table_height_;
   misread_torques(reading);
+  reading.joints += joint_zero_;
+  drift_touch(ticks_of(reading.time));
+}
+
+/// A first-order autoregressive process; it starts at its stationary distribution.
+void SensorErrors::drift_touch(std::uint64_t tick) {
+  if (noise_.touch_correlation == 0) return;
+  const double kept = tick == 0 ? 0 : std::exp(-hand::kTick / noise_.touch_correlation);
+  const double fresh = std::sqrt(1 - kept * kept);
+  RandomStream random = touch_random_.fork("tick", tick);
+  for (TouchError& touch : touches_) {
+    touch.point = kept * touch.point + fresh * noise_.point * random.normal3();
+    const double x = random.normal(), y = random.normal();
+    touch.tilt = kept * touch.tilt + fresh * noise_.normal * Eigen::Vector2d(x, y);
+  }
+}
+
+void SensorErrors::misread(std::size_t finger, hand::TipContact& contact) const {
+  const TouchError& touch = touches_[finger];
+  contact.p += touch.offset + touch.point + touch.radius * contact.n;
+  if (touch.tilt.isZero(0)) return;
+  contact.n = (contact.n + frame_with_z(contact.n).leftCols<2>() * touch.tilt).normalized();
+}
+
+SensorNoise SensorErrors::white_noise() const {
+  SensorNoise noise = noise_;
+  if (noise.touch_correlation > 0) noise.point = noise.normal = 0;
+  return noise;
 }
 
 /// Friction that grows with the way since the joint turned back, as in Dahl's model.

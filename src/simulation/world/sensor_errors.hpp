@@ -21,8 +21,18 @@ class SensorErrors {
   /// height.
   [[nodiscard]] hand::BasePosition in_world(hand::BasePosition base) const;
 
+  /// Where the drives come that are commanded to go there: their zeros are off.
+  [[nodiscard]] hand::ActuatorVector in_drives(const hand::ActuatorVector& positions) const;
+
   /// Makes a reading of the true load and torques, the true base and joints into what is read.
   void misread(hand::HandReading& reading);
+
+  /// Makes a true contact of a fingertip into what its sensor gives, but for white noise; to be
+  /// called after misread().
+  void misread(std::size_t finger, hand::TipContact& contact) const;
+
+  /// Noise of contacts that is independent from reading to reading.
+  [[nodiscard]] SensorNoise white_noise() const;
 
   /// Gives a reading the pose of the mount and the contacts of a while ago.
   void delay(hand::HandReading& reading, RandomStream& random);
@@ -30,7 +40,16 @@ class SensorErrors {
   void reset();
 
  private:
+  /// What the contacts of a fingertip have in common.
+  struct TouchError {
+    double radius = 0;                                // m, outwards
+    Eigen::Vector3d offset;                           // m, in the frame of the tip's link
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();  // m, changes slowly
+    Eigen::Vector2d tilt = Eigen::Vector2d::Zero();   // rad, changes slowly
+  };
+
   void misread_torques(hand::HandReading& reading);
+  void drift_touch(std::uint64_t tick);
 
   SensorNoise noise_;
   double table_height_ = 0;                              // m
@@ -39,6 +58,10 @@ class SensorErrors {
   hand::ActuatorVector torque_scale_, torque_friction_;  // -, N m
   hand::ActuatorVector slipped_;                         // share of the friction, -1..1
   hand::ActuatorVector last_positions_;                  // rad
+  hand::JointVector joint_zero_;                         // rad
+  hand::ActuatorVector drive_zero_;                      // rad
+  std::vector<TouchError> touches_;                      // one a finger
+  RandomStream touch_random_;
   hand::Description hand_;
   std::deque<hand::BasePosition> bases_;
   std::deque<std::vector<std::vector<hand::TipContact>>> contacts_;

@@ -62,8 +62,9 @@ void SimulatedHand::apply(const hand::HandCommand& command) {
                     "positions {}",
                     fmt::join(base, " "), command.positions.sum()));
   }
+  const hand::ActuatorVector positions = errors_.in_drives(command.positions);
   for (Index i = 0; i < scene_.actuators.size(); ++i) {
-    data_.ctrl[scene_.actuators[i]] = command.positions[static_cast<int>(i)];
+    data_.ctrl[scene_.actuators[i]] = positions[static_cast<int>(i)];
   }
   carry_to(errors_.in_world(command.base));
 }
@@ -96,16 +97,17 @@ hand::PathFeasibility SimulatedHand::check_path(std::span<const hand::BasePositi
 
 /// The servos give P and D; the integral moves their setpoint by what makes up its torque.
 void SimulatedHand::integrate(const hand::HandCommand& command) {
+  const hand::ActuatorVector positions = errors_.in_drives(command.positions);
   hand::ActuatorVector errors(stiffness_.size());
   for (Index i = 0; i < scene_.actuators.size(); ++i) {
     const auto k = static_cast<int>(i);
-    errors[k] = command.positions[k] - data_.actuator_length[scene_.actuators[i]];
+    errors[k] = positions[k] - data_.actuator_length[scene_.actuators[i]];
   }
   const hand::ActuatorVector& torques =
       integral_.update(errors, stiffness_, scene_.model->opt.timestep);
   for (Index i = 0; i < scene_.actuators.size(); ++i) {
     const auto k = static_cast<int>(i);
-    data_.ctrl[scene_.actuators[i]] = command.positions[k] + torques[k] / stiffness_[k];
+    data_.ctrl[scene_.actuators[i]] = positions[k] + torques[k] / stiffness_[k];
   }
 }
 
@@ -154,7 +156,8 @@ void SimulatedHand::reset(const hand::HandCommand& command) {
     follower_->reset(errors_.in_world(command.base).pose(), hand::working_tour(hand_));
   }
   apply(command);
-  const hand::JointVector joints = hand::joints_in_free_flexion(hand_, command.positions);
+  const hand::JointVector joints =
+      hand::joints_in_free_flexion(hand_, errors_.in_drives(command.positions));
   for (Index i = 0; i < scene_.joint_positions.size(); ++i) {
     data_.qpos[scene_.joint_positions[i]] = joints[static_cast<int>(i)];
   }
@@ -226,14 +229,16 @@ void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& rand
     const int link = scene_.model->geom_bodyid[scene_.tips[i]];
     loads[i].T_object_link = T_object_world * body_pose(data_, link);
   }
+  const SensorNoise noise = errors_.white_noise();
   for (int i = 0; i < data_.ncon; ++i) {
-    const auto touch = read_fingertip_touch(*scene_.model, data_, i, scene_.tips);
+    auto touch = read_fingertip_touch(*scene_.model, data_, i, scene_.tips);
     if (!touch) continue;
     const bool of_object = scene_.model->geom_bodyid[touch->other_geom] == scene_.object;
     if (!scene_.is_sensed(touch->other_geom)) continue;
     const auto finger = static_cast<Index>(touch->finger);
     (of_object ? loads[finger].on_object : loads[finger].on_others).push_back(touch->contact);
-    if (const auto sensed = with_sensor_noise(touch->contact, noise_, random)) {
+    errors_.misread(finger, touch->contact);
+    if (const auto sensed = with_sensor_noise(touch->contact, noise, random)) {
       reading.contacts[finger].push_back(*sensed);
     }
   }

@@ -16,6 +16,7 @@ struct SensorNoise {
   double mount_delay = 0;               ///< s, by which the mount's pose is old
   double touch_delay = 0;               ///< s, by which the contacts are old
   double touch_threshold = 0;           ///< N, of a contact's normal force: less is not sensed
+  double touch_correlation = 0;         ///< s, of the noise of points and normals; 0: none
 
   static SensorNoise realistic();
 
@@ -34,6 +35,8 @@ struct SensorNoise {
     v.expert("touch_delay", touch_delay, 0.0, 0.5, "s, delay of contacts");
     v.expert("touch_threshold", touch_threshold, 0.0, 5.0,
              "N, least force of a contact that is sensed");
+    v.expert("touch_correlation", touch_correlation, 0.0, 1000.0,
+             "s, correlation time of the noise of contact points and normals");
   }
 };
 

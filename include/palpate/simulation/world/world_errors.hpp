@@ -23,6 +23,9 @@ struct WorldErrors {
   double center = 0;           ///< m rms, of the center of mass
   double scale = 0;            ///< share, up to: size of the object
   double surface = 0;          ///< m rms, of the object's surface: smooth dents and bulges
+  double joint_zero = 0;       ///< rad rms, where a finger's joint and its drive have their zero
+  double tip_radius = 0;       ///< m rms, by which a fingertip is larger or smaller
+  double touch = 0;            ///< m rms, displacement of all contact points of a fingertip
 
   static WorldErrors realistic();
 
@@ -44,6 +47,10 @@ struct WorldErrors {
     v.expert("center", center, 0.0, 0.05, "m rms, error of the object's centre of mass");
     v.expert("scale", scale, 0.0, 0.2, "largest error of the object's size, as a share");
     v.expert("surface", surface, 0.0, 0.01, "m rms, error of the object's surface");
+    v.expert("joint_zero", joint_zero, 0.0, 0.2, "rad rms, zero of a joint's encoder and drive");
+    v.expert("tip_radius", tip_radius, 0.0, 0.01, "m rms, error of a fingertip's radius");
+    v.expert("touch", touch, 0.0, 0.02,
+             "m rms, constant displacement of the contact points of a fingertip");
   }
 };
 
