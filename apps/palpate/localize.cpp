@@ -37,6 +37,7 @@ struct LocalizeOptions {
   double noise_scale_prior = 0.4;
   double size_prior = 0.25;
   double surface_sigma = 0.0003;
+  double centroid_sigma = 0;
   double hand_offset = 0;
 
   template <class Visitor>
@@ -47,6 +48,8 @@ struct LocalizeOptions {
     v("size_prior", size_prior, 0.0, 0.99,
       "prior probability that the object is up to 3 % larger or smaller than its mesh");
     v("surface_sigma", surface_sigma, 0.0, 0.01, "m, error of the mesh's surface");
+    v("centroid_sigma", centroid_sigma, 0.0, 0.1,
+      "m per axis, error of the centre of mass, by which an object on a table leans");
     v("hand_offset", hand_offset, 0.0, 0.02, "m rms, common-mode bias of the contacts of one time");
     v.section("search", search);
     v.section("fast", fast);
@@ -139,7 +142,10 @@ lo::Evidence evidence_of(const LocalizeArguments& arguments, const LocalizeOptio
   check_together(file, geometry::bounds(object.mesh).diagonal().norm());
   lo::Evidence evidence;
   evidence.contacts = file.contacts;
-  if (arguments.table) evidence.table = table_at(*arguments.table, evidence.contacts, object);
+  if (arguments.table) {
+    evidence.table = table_at(*arguments.table, evidence.contacts, object);
+    evidence.table->centroid_sigma = options.centroid_sigma;
+  }
   if (!arguments.free.empty()) evidence.free_space = lo::read_free_space(arguments.free);
   if (!arguments.planes.empty()) evidence.planes = lo::read_plane_contacts(arguments.planes);
   if (!arguments.prior.empty()) {

@@ -35,17 +35,19 @@ void check_length(const char* what, double value, double least) {
 }
 
 lo::TableSupport make_table(nb::object T_frame_table, double half_width, double tilt_sigma,
-                            double height_sigma, double edge_sigma) {
+                            double height_sigma, double edge_sigma, double centroid_sigma) {
   check_length("half_width", half_width, 0);
   check_length("tilt_sigma", tilt_sigma, kLeast);
   check_length("height_sigma", height_sigma, kLeast);
   check_length("edge_sigma", edge_sigma, kLeast);
+  check_length("centroid_sigma", centroid_sigma, 0);
   lo::TableSupport table;
   table.T_frame_table = pose_from(T_frame_table, "T_frame_table");
   table.half_width = half_width;
   table.tilt_sigma = tilt_sigma;
   table.height_sigma = height_sigma;
   table.edge_sigma = edge_sigma;
+  table.centroid_sigma = centroid_sigma;
   return table;
 }
 
@@ -223,18 +225,20 @@ void bind_evidence(nb::module_& module) {
       .def(
           "__init__",
           [](lo::TableSupport* self, nb::object T, double half_width, double tilt_sigma,
-             double height_sigma, double edge_sigma) {
-            new (self)
-                lo::TableSupport(make_table(T, half_width, tilt_sigma, height_sigma, edge_sigma));
+             double height_sigma, double edge_sigma, double centroid_sigma) {
+            new (self) lo::TableSupport(
+                make_table(T, half_width, tilt_sigma, height_sigma, edge_sigma, centroid_sigma));
           },
           "T_frame_table"_a, nb::kw_only(), "half_width"_a = 0.02, "tilt_sigma"_a = 0.02,
-          "height_sigma"_a = 0.001, "edge_sigma"_a = 0.002,
+          "height_sigma"_a = 0.001, "edge_sigma"_a = 0.002, "centroid_sigma"_a = 0.0,
           nb::sig("def __init__(self, T_frame_table: numpy.typing.ArrayLike, *, half_width: float "
                   "= 0.02, tilt_sigma: float = 0.02, height_sigma: float = 0.001, edge_sigma: "
-                  "float = 0.002) -> None"),
+                  "float = 0.002, centroid_sigma: float = 0.0) -> None"),
           "T_frame_table (4, 4): z up, z = 0 the surface, x and y the rough place of the object's "
           "centroid, known to +- half_width, m. tilt_sigma, rad; "
-          "height_sigma, m; edge_sigma, m: softness of half_width.\n\nRaises ValueError unless it "
+          "height_sigma, m; edge_sigma, m: softness of half_width; centroid_sigma, m per axis: "
+          "error "
+          "of the centre of mass, by which the object leans.\n\nRaises ValueError unless it "
           "is "
           "a pose, and for numbers that are negative or of no table.")
       .def("__repr__", [](const lo::TableSupport& self) {

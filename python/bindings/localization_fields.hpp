@@ -51,7 +51,7 @@ template <>
 struct Fields<localization::TableSupport> {
   static auto of(localization::TableSupport& it) {
     return std::tie(it.T_frame_table, it.stable_pose_weights, it.tilt_sigma, it.height_sigma,
-                    it.surface_sigma, it.half_width, it.edge_sigma);
+                    it.surface_sigma, it.centroid_sigma, it.half_width, it.edge_sigma);
   }
 };
 

@@ -95,6 +95,7 @@ TableSupport resting_table(const KnownObject& object, const hand::Description& h
   table.stable_pose_weights = stable_pose_weights(object, hand, log, options);
   table.tilt_sigma = options.resting_tilt_sigma;
   table.height_sigma = options.resting_height_sigma;
+  table.centroid_sigma = options.centroid_sigma;
   table.half_width = options.resting_half_width;
   table.edge_sigma = 0.005;
   return table;
@@ -108,6 +109,7 @@ TableSupport table_at_closing(const KnownObject& object, const hand::Description
   table.stable_pose_weights = stable_pose_weights(object, hand, log, options);
   table.tilt_sigma = options.tilt_sigma;
   table.height_sigma = options.height_sigma;
+  table.centroid_sigma = options.centroid_sigma;
   table.half_width = options.half_width;
   table.edge_sigma = 0.01;
   return table;

@@ -14,7 +14,7 @@ namespace {
 
 TEST(DifferingObject, IsNominalWhereNothingDiffers) {
   const auto nominal = geometry::load_known_object("bracket");
-  const SolidObject solid = differing_object(nominal, {}, RandomStream(1));
+  const SolidObject solid = differing_object(believed_object(nominal), {}, RandomStream(1));
   EXPECT_EQ(solid.object.mesh.vertices, nominal.mesh.vertices);
   EXPECT_EQ(solid.object.mass, nominal.mass);
   EXPECT_FALSE(solid.parts.empty());
@@ -25,8 +25,8 @@ TEST(DifferingObject, IsDentedByAsMuchAsIsAskedAndNotMoved) {
   double square = 0;
   constexpr int kObjects = 20;
   for (int seed = 0; seed < kObjects; ++seed) {
-    const SolidObject solid =
-        differing_object(nominal, {.surface = 0.0005}, RandomStream(static_cast<unsigned>(seed)));
+    const SolidObject solid = differing_object(believed_object(nominal), {.surface = 0.0005},
+                                               RandomStream(static_cast<unsigned>(seed)));
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     double sum = 0;
     for (std::size_t i = 0; i < nominal.mesh.vertices.size(); ++i) {
@@ -46,7 +46,7 @@ TEST(DifferingObject, HasAnotherSizeAndMassWithinTheBounds) {
   const auto nominal = geometry::load_known_object("box");
   for (unsigned seed = 0; seed < 20; ++seed) {
     const WorldErrors error{.mass = 0.2, .scale = 0.01};
-    const SolidObject solid = differing_object(nominal, error, RandomStream(seed));
+    const SolidObject solid = differing_object(believed_object(nominal), error, RandomStream(seed));
     EXPECT_NEAR(solid.object.mass / nominal.mass, 1, 0.2);
     EXPECT_NE(solid.object.mass, nominal.mass);
     const double scale = solid.object.mesh.vertices[0].norm() / nominal.mesh.vertices[0].norm();

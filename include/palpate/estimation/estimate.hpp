@@ -32,6 +32,7 @@ struct EstimationOptions {
   double height_sigma = 0.015;    ///< by which it raises it, m
   double half_width = 0.08;       ///< object within +- of its rough place after the grasp, m
   double surface_sigma = 0.0005;  ///< by which the mesh's surface is off the object's, m
+  double centroid_sigma = 0.003;  ///< by which its centre of mass is off along each axis, m
   double false_contacts = 0.02;   ///< prior share of contacts with something else
   bool balance = false;           ///< use that pushes and weight balance, once the object hangs
   double torsional_friction_radius =
@@ -73,6 +74,8 @@ struct EstimationOptions {
     v.expert("height_sigma", height_sigma, 1e-4, 0.1,
              "m, by which the closing hand raises the object");
     v.expert("surface_sigma", surface_sigma, 0.0, 0.01, "m, error of the mesh's surface");
+    v.expert("centroid_sigma", centroid_sigma, 0.0, 0.1,
+             "m, error of the object's centre of mass along each axis");
     v.expert("half_width", half_width, 0.0, 0.3,
              "m, half width of the prior on the position of an object that was grasped unexplored");
     v("false_contacts", false_contacts, 1e-6, 0.9, "prior probability that a contact is spurious");

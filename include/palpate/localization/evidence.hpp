@@ -28,6 +28,7 @@ struct TableSupport {
   /// m by which the surface on which it rests is off: it leans (geometry::RestingSlack) and stands
   /// higher or lower by that. Evidence::surface_sigma comes on top.
   double surface_sigma = 0;
+  double centroid_sigma = 0;  ///< m per axis, error of the centre of mass: the object leans by it
   double half_width = 0.02;   ///< object's centroid within +- of the origin in x and y, m
   double edge_sigma = 0.002;  ///< softness of that bound, m
 };

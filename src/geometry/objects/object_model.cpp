@@ -39,11 +39,9 @@ ObjectModel::ObjectModel(KnownObject object)
       field_(MeshQuery(object_.mesh)),
       surface_(surface_points(object_.mesh)),
       clearance_(std::make_unique<const Clearance>(field_, object_.mesh)) {
-  for (const Eigen::Vector3d& corner : hull_corners(object_.mesh.vertices)) {
-    hull_.push_back(corner.cast<float>());
-  }
-  for (const StablePose& pose : object_.stable_poses)
-    resting_slack_.emplace_back(object_.mesh, pose);
+  const std::vector<Eigen::Vector3d> hull = hull_corners(object_.mesh.vertices);
+  for (const Eigen::Vector3d& corner : hull) hull_.push_back(corner.cast<float>());
+  for (const StablePose& pose : object_.stable_poses) resting_slack_.emplace_back(hull, pose);
 }
 
 ObjectModel::~ObjectModel() = default;

@@ -86,6 +86,7 @@ void check_table(const TableSupport& table, std::size_t stable_poses) {
   check_positive("table: edge_sigma", table.edge_sigma);
   check_not_negative("table: half_width", table.half_width);
   check_not_negative("table: surface_sigma", table.surface_sigma);
+  check_not_negative("table: centroid_sigma", table.centroid_sigma);
 }
 
 void check_covariance(const std::string& name, const Matrix6d& covariance) {

@@ -45,7 +45,8 @@ TableTerm::StablePose TableTerm::stable_pose(const geometry::ObjectModel& model,
   Eigen::Matrix3d precision = R.row(2).transpose() * R.row(2) / std::pow(table_.tilt_sigma, 2);
   double density = weight;
   for (std::size_t i = 0; i < 2; ++i) {
-    const double lean = slack.lean(static_cast<int>(i), table_.surface_sigma);
+    const double lean =
+        slack.lean(static_cast<int>(i), table_.surface_sigma, table_.centroid_sigma);
     pose.lean_sigmas[i] = std::hypot(table_.tilt_sigma, lean);
     pose.leans[i] = slack.directions()[i] / pose.lean_sigmas[i];
     precision += pose.leans[i] * pose.leans[i].transpose();

@@ -110,14 +110,13 @@ SolidObject believed_object(const geometry::KnownObject& known) {
   return {known, convex_parts(known.mesh)};
 }
 
-SolidObject differing_object(const geometry::KnownObject& known, const WorldErrors& error,
+SolidObject differing_object(SolidObject solid, const WorldErrors& error,
                              const RandomStream& random) {
-  SolidObject solid = believed_object(known);
   RandomStream shape = random.fork("shape"), load = random.fork("mass");
   if (error.scale > 0 || error.surface > 0) {
     const double scale = 1 + up_to(error.scale, shape);
     Dents dents(error.surface, shape);
-    dents.align(known.mesh);
+    dents.align(solid.object.mesh);
     deform(solid.object.mesh, scale, dents);
     for (geometry::TriangleMesh& part : solid.parts) deform(part, scale, dents);
   }

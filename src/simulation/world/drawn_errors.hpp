@@ -19,9 +19,9 @@ struct SolidObject {
 /// The object as it was given.
 SolidObject believed_object(const geometry::KnownObject& known);
 
-/// The object where it is not as it was given: of another size, dented, of another mass. Its frame,
-/// stable poses and symmetries are those that were given.
-SolidObject differing_object(const geometry::KnownObject& known, const WorldErrors& error,
+/// A believed object as it is: of another size, dented, of another mass. Its frame, stable poses
+/// and symmetries stay those that were given.
+SolidObject differing_object(SolidObject solid, const WorldErrors& error,
                              const RandomStream& random);
 
 /// The options with frictions drawn.

@@ -38,7 +38,7 @@ struct World::Impl {
   Impl(const geometry::KnownObject& known, const WorldOptions& given, const RandomStream& random,
        const planning::Fixture& fixture)
       : options(with_drawn_friction(given, random)),
-        solid(differing_object(known, options.error, random)),
+        solid(differing_object(believed_object(known), options.error, random)),
         mesh(solid.object.mesh),
         surface(mesh),
         drawn(load_hand(options.hand, options.stiffness_scale)),
