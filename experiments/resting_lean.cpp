@@ -41,17 +41,27 @@ constexpr std::array<Errors, 2> kErrors = {
     {{"surface", 0.0005, 0, 0.0003, 0},
      {"surface and centre of mass", 0.0005, 0.005, 0.0005, 0.003}}};
 
-/// Height of the centre of mass where that direction points up, m.
-double height(const geometry::KnownObject& object, const Eigen::Vector3d& up) {
-  double low = std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector3d& p : object.mesh.vertices) low = std::min(low, p.dot(up));
-  return object.mass_properties.centroid.dot(up) - low;
+/// What decides how an object rests.
+struct Body {
+  std::vector<Eigen::Vector3d> hull;
+  Eigen::Vector3d center;  ///< of mass
+};
+
+Body body_of(const geometry::KnownObject& object) {
+  return {geometry::hull_corners(object.mesh.vertices), object.mass_properties.centroid};
 }
 
-/// The upward direction in which the object comes to rest, from one near it: downhill.
-Eigen::Vector3d settle(const geometry::KnownObject& object, const Eigen::Vector3d& first) {
+/// Height of the centre of mass where that direction points up, m.
+double height(const Body& body, const Eigen::Vector3d& up) {
+  double low = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& p : body.hull) low = std::min(low, p.dot(up));
+  return body.center.dot(up) - low;
+}
+
+/// The upward direction in which the body comes to rest, from one near it: downhill.
+Eigen::Vector3d settle(const Body& body, const Eigen::Vector3d& first) {
   Eigen::Vector3d up = first;
-  double lowest = height(object, up);
+  double lowest = height(body, up);
   for (double step = kFirstStep; step > kLastStep;) {
     const Eigen::Matrix3d frame = frame_with_z(up);
     const Eigen::Vector3d from = up;
@@ -59,7 +69,7 @@ Eigen::Vector3d settle(const geometry::KnownObject& object, const Eigen::Vector3
       const double way = 2 * std::numbers::pi * i / kWays;
       const Eigen::Vector3d side = std::cos(way) * frame.col(0) + std::sin(way) * frame.col(1);
       const Eigen::Vector3d leaning = std::cos(step) * from + std::sin(step) * side;
-      const double found = height(object, leaning);
+      const double found = height(body, leaning);
       if (found >= lowest) continue;
       lowest = found;
       up = leaning;
@@ -85,17 +95,16 @@ void append(const Leans& more, Leans& all) {
 
 Leans leans_of(const geometry::KnownObject& known, const Errors& errors, std::size_t draws,
                const RandomStream& random) {
-  const auto hull = geometry::hull_corners(known.mesh.vertices);
+  const Body believed = body_of(known);
   Leans leans;
   for (std::size_t draw = 0; draw < draws; ++draw) {
     const simulation::WorldErrors world{.center = errors.center, .surface = errors.surface};
-    const auto object =
-        simulation::differing_object({known, {}}, world, random.fork(fmt::format("{}", draw)))
-            .object;
+    const Body body =
+        body_of(simulation::differing_object({known, {}}, world, random.fork("draw", draw)).object);
     for (const geometry::StablePose& pose : known.stable_poses) {
-      const geometry::RestingSlack slack(hull, pose);
+      const geometry::RestingSlack slack(believed.hull, pose);
       const Eigen::Vector3d up = pose.R_table_object.row(2).transpose();
-      const Eigen::Vector3d leaning = settle(object, up);
+      const Eigen::Vector3d leaning = settle(body, up);
       if (leaning.dot(up) < std::cos(kFallen)) {
         ++leans.fallen;
         continue;
