@@ -145,6 +145,11 @@ lo::Evidence evidence_of(const LocalizeArguments& arguments, const LocalizeOptio
   if (arguments.table) {
     evidence.table = table_at(*arguments.table, evidence.contacts, object);
     evidence.table->centroid_sigma = options.centroid_sigma;
+  } else if (options.centroid_sigma > 0) {
+    throw BadInput(
+        fmt::format("centroid_sigma = {} goes with --table: it is how far an object on "
+                    "a table may lean",
+                    options.centroid_sigma));
   }
   if (!arguments.free.empty()) evidence.free_space = lo::read_free_space(arguments.free);
   if (!arguments.planes.empty()) evidence.planes = lo::read_plane_contacts(arguments.planes);
@@ -280,9 +285,10 @@ void add_localize(CLI::App& program, Command& chosen) {
                    "instead, grasp the built-in objects with a kinematic hand and report how "
                    "many contacts determine their poses; on all processors, or --threads of them");
   command
-      .add_option("mesh", arguments->mesh,
-                  "built-in object (mug, bottle, box, bracket, duck) or mesh file; of "
-                  "several, separated by commas, the most probable one is identified as well")
+      .add_option(
+          "mesh", arguments->mesh,
+          "built-in object (mug, bottle, box, bracket, duck), generated:SEED, or mesh file; of "
+          "several, separated by commas, the most probable one is identified as well")
       ->option_text("MESH[,MESH..]");
   command
       .add_option(

@@ -38,7 +38,7 @@ class Export(CliTest):
         cls.kept = cls("run_program")
         cls.kept.setUp()
         cls.addClassCleanup(cls.kept.doCleanups)
-        cls.kept.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", *QUICK)
+        cls.kept.run_json("pick", "--object", "box", "--seed", "7", "--out", "run", *QUICK)
         cls.report = cls.kept.run_json("export", "mcap", "run/recording.h5", "--out", "box.mcap")
         cls.replayed = cls.kept.run_json("replay", "run/recording.h5")
 

@@ -32,7 +32,7 @@ POSES = 200  # after which it has seen enough
 @unittest.skipUnless(PEER.exists(), "tests/peers/rustdds is not built (cargo build --release in that folder)")
 class RustDds(CliTest):
     def test_a_stream_gives_the_pose(self):
-        self.run_json("pick", "--object", "box", "--seed", "3", "--out", "run", "--no-belief", *QUICK)
+        self.run_json("pick", "--object", "box", "--seed", "7", "--out", "run", "--no-belief", *QUICK)
         self.run_json("export", "mcap", "run/recording.h5", "--out", "box.mcap")
         stream = ros2_stream.HeldStream(self.folder / "box.mcap")
         self.write("sensed.json", json.dumps({

@@ -26,7 +26,7 @@ struct StartOptions {
     v("uncertainty", uncertainty, 0.0, 0.1,
       "m, the object is within +- this of its approximate position");
     v.expert("spread", spread, 0.0, 0.2,
-             "m, the object truly is within +- this of it; 0: uncertainty");
+             "m, the object starts within +- this of its approximate position; 0: uncertainty");
     v.expert("x", x, -3.0, 3.0, "m, approximate position of the object, as in --at");
     v.expert("y", y, -3.0, 3.0, "m, approximate position of the object, as in --at");
   }

@@ -11,7 +11,10 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr int kDirections = 8;  // of half a turn, each looked at to both sides
+constexpr int kDirections = 16;      // of half a turn, each looked at to both sides
+constexpr double kTrialLean = 0.04;  // rad, at which directions are compared
+constexpr double kTurn = 1e-5;       // rad, to which the softest direction is found
+constexpr double kBarrier = 1e-4;    // m, that does not stop an object, as in StablePoseOptions
 /// Middles of four equally probable parts of the absolute value of a standard normal variable.
 constexpr std::array<double, 4> kNormalQuantiles = {0.157, 0.489, 0.887, 1.534};
 
@@ -21,46 +24,81 @@ const Eigen::Vector3d& support(const std::vector<Eigen::Vector3d>& hull,
   return *std::ranges::min_element(hull, {}, [&](const Eigen::Vector3d& p) { return p.dot(up); });
 }
 
+/// Height of the centroid where that direction points up, m.
+double height(const std::vector<Eigen::Vector3d>& hull, const Eigen::Vector3d& up) {
+  return -support(hull, up).dot(up);
+}
+
+Eigen::Vector3d leaning(const Eigen::Vector3d& up, const Eigen::Vector3d& direction, double lean) {
+  return std::cos(lean) * up + std::sin(lean) * direction;
+}
+
+/// The horizontal direction in which the centroid rises least, to both sides together.
+Eigen::Vector3d softest_direction(const std::vector<Eigen::Vector3d>& hull,
+                                  const Eigen::Vector3d& up) {
+  const Eigen::Matrix3d frame = frame_with_z(up);
+  const auto direction = [&](double angle) -> Eigen::Vector3d {
+    return std::cos(angle) * frame.col(0) + std::sin(angle) * frame.col(1);
+  };
+  const auto rise = [&](double angle) {
+    return height(hull, leaning(up, direction(angle), kTrialLean)) +
+           height(hull, leaning(up, direction(angle), -kTrialLean));
+  };
+  constexpr double kStep = std::numbers::pi / kDirections;
+  double best = 0, lowest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kDirections; ++i) {
+    const double found = rise(i * kStep);
+    if (found < lowest) {
+      lowest = found;
+      best = i * kStep;
+    }
+  }
+  double low = best - kStep, high = best + kStep;
+  while (high - low > kTurn) {
+    const double third = (high - low) / 3;
+    if (rise(low + third) < rise(high - third)) {
+      high -= third;
+    } else {
+      low += third;
+    }
+  }
+  return direction((low + high) / 2);
+}
+
 }  // namespace
 
 RestingSlack::Profile RestingSlack::profile(const std::vector<Eigen::Vector3d>& hull,
                                             const Eigen::Vector3d& up,
                                             const Eigen::Vector3d& direction) {
-  const double flat = -support(hull, up).dot(up);
+  const double flat = height(hull, up);
   Profile profile;
   for (std::size_t i = 0; i < kLeans.size(); ++i) {
-    std::array<Eigen::Vector3d, 2> at;
+    std::array<double, 2> at;  // of the support, along the direction
     for (std::size_t side = 0; side < 2; ++side) {
-      const double lean = side == 0 ? -kLeans[i] : kLeans[i];
-      const Eigen::Vector3d leaning = std::cos(lean) * up + std::sin(lean) * direction;
-      at[side] = support(hull, leaning);
-      profile.sides[side][i] = -at[side].dot(leaning) - flat;
+      const Eigen::Vector3d tilted = leaning(up, direction, side == 0 ? -kLeans[i] : kLeans[i]);
+      const Eigen::Vector3d& found = support(hull, tilted);
+      at[side] = found.dot(direction);
+      profile.sides[side][i] = -found.dot(tilted) - flat;
     }
-    profile.half_widths[i] = (at[1] - at[0]).norm() / 2;
+    profile.half_widths[i] = std::abs(at[1] - at[0]) / 2;
+  }
+  for (Rises& rises : profile.sides) {  // over the facets of a tessellated round side
+    for (std::size_t i = kLeans.size() - 1; i-- > 0;) {
+      if (std::max(rises[i], rises[i + 1]) < kBarrier) rises[i] = std::min(rises[i], rises[i + 1]);
+    }
   }
   return profile;
 }
 
 RestingSlack::RestingSlack(const std::vector<Eigen::Vector3d>& hull, const StablePose& pose) {
   const Eigen::Vector3d up = pose.R_table_object.row(2).transpose();
-  const Eigen::Matrix3d frame = frame_with_z(up);
-  double lowest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kDirections; ++i) {
-    const double angle = std::numbers::pi * i / kDirections;
-    const Eigen::Vector3d direction =
-        std::cos(angle) * frame.col(0) + std::sin(angle) * frame.col(1);
-    const Profile found = profile(hull, up, direction);
-    const double rise = found.sides[0][5] + found.sides[1][5];
-    if (rise >= lowest) continue;
-    lowest = rise;
-    directions_[0] = direction;
-    profiles_[0] = found;
-  }
+  directions_[0] = softest_direction(hull, up);
   directions_[1] = up.cross(directions_[0]);
-  profiles_[1] = profile(hull, up, directions_[1]);
+  for (std::size_t i = 0; i < 2; ++i) profiles_[i] = profile(hull, up, directions_[i]);
 }
 
-/// Errors of two points that far apart: their covariance falls as exp(-d^2 / 2 l^2).
+/// Errors of two points at a distance of d have the covariance exp(-d^2 / 8 l^2): that of half the
+/// distance, so that the slope, with half the difference, is the error over l.
 double RestingSlack::lean_of_surface(const Profile& profile, double sigma) {
   double lean = 0, missing = 0;  // by which the rise is below the error
   for (std::size_t i = 0; i < kLeans.size(); ++i) {
@@ -95,8 +133,8 @@ double RestingSlack::lean_of_centroid(const Profile& profile, double sigma) {
 
 double RestingSlack::lean(int direction, double surface_sigma, double centroid_sigma) const {
   const Profile& profile = profiles_[static_cast<std::size_t>(direction)];
-  return std::hypot(lean_of_surface(profile, surface_sigma),
-                    centroid_sigma > 0 ? lean_of_centroid(profile, centroid_sigma) : 0);
+  const double of_centroid = centroid_sigma > 0 ? lean_of_centroid(profile, centroid_sigma) : 0;
+  return std::min(std::hypot(lean_of_surface(profile, surface_sigma), of_centroid), kLeans.back());
 }
 
 }  // namespace palpate::geometry

@@ -14,7 +14,19 @@ float half_square(double deviation, double sigma) {
   return static_cast<float>(0.5 * std::pow(deviation / sigma, 2));
 }
 
+/// Square of an angle over that of its sine, by a series in x = 1 - cosine.
+float square_over_sine(float cosine) {
+  constexpr float kOpposite = 1e-3F;
+  const float x = 1 - cosine;
+  return 2 * (1 + x / 6 + 2 * x * x / 45 + x * x * x / 70) / std::max(2 - x, kOpposite);
+}
+
 }  // namespace
+
+float TableTerm::StablePose::lean_energy(const Eigen::Vector3f& table_up) const {
+  const float a = table_up.dot(scaled[0]), b = table_up.dot(scaled[1]);
+  return 0.5F * (a * a + b * b) * square_over_sine(table_up.dot(up));
+}
 
 TableTerm::TableTerm(const geometry::ObjectModel& model, const TableSupport& table)
     : table_(table),
@@ -41,18 +53,16 @@ TableTerm::StablePose TableTerm::stable_pose(const geometry::ObjectModel& model,
   const geometry::StablePose& known = model.object().stable_poses[number];
   const geometry::RestingSlack& slack = model.resting_slack()[number];
   const Eigen::Matrix3d& R = known.R_table_object;
-  StablePose pose{R, R.row(2).transpose().cast<float>(), known.height, weight, 0, {}, {}, {}};
-  Eigen::Matrix3d precision = R.row(2).transpose() * R.row(2) / std::pow(table_.tilt_sigma, 2);
+  StablePose pose{
+      R, R.row(2).transpose().cast<float>(), known.height, weight, 0, slack.directions(), {}, {}};
   double density = weight;
   for (std::size_t i = 0; i < 2; ++i) {
     const double lean =
         slack.lean(static_cast<int>(i), table_.surface_sigma, table_.centroid_sigma);
     pose.lean_sigmas[i] = std::hypot(table_.tilt_sigma, lean);
-    pose.leans[i] = slack.directions()[i] / pose.lean_sigmas[i];
-    precision += pose.leans[i] * pose.leans[i].transpose();
+    pose.scaled[i] = (pose.directions[i] / pose.lean_sigmas[i]).cast<float>();
     density *= table_.tilt_sigma / pose.lean_sigmas[i];
   }
-  pose.precision = precision.cast<float>();
   pose.minus_log_weight = static_cast<float>(-std::log(density));
   return pose;
 }
@@ -60,9 +70,8 @@ TableTerm::StablePose TableTerm::stable_pose(const geometry::ObjectModel& model,
 TableTerm::Nearest TableTerm::nearest_stable_pose(const Eigen::Vector3f& up, float height) const {
   Nearest nearest{nullptr, std::numeric_limits<float>::infinity()};
   for (const StablePose& stable_pose : stable_poses_) {
-    const Eigen::Vector3f lean = up - stable_pose.up;
     const float energy =
-        0.5F * lean.dot(stable_pose.precision * lean) +
+        stable_pose.lean_energy(up) +
         half_square(static_cast<double>(height) - stable_pose.height, height_sigma_) +
         stable_pose.minus_log_weight;
     if (energy < nearest.energy) nearest = {&stable_pose, energy};
@@ -88,8 +97,10 @@ void TableTerm::linearize(const SearchPose& pose, NormalEquations& equations) co
       nearest_stable_pose(up, static_cast<float>(at.z())).stable_pose;
   if (!stable_pose) return;
   const Eigen::Vector3d rests_on = (pose.R * stable_pose->up).cast<double>();
-  for (const Eigen::Vector3d& lean : stable_pose->leans) {
-    const Eigen::Vector3d direction = pose.R.cast<double>() * lean;
+  const double scale = std::sqrt(square_over_sine(up.dot(stable_pose->up)));
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Eigen::Vector3d direction =
+        pose.R.cast<double>() * stable_pose->directions[i] * (scale / stable_pose->lean_sigmas[i]);
     Eigen::Matrix<double, 1, 6> tilt = Eigen::Matrix<double, 1, 6>::Zero();
     tilt.leftCols<3>() = direction.transpose() * skew(rests_on);
     equations.add(tilt, Eigen::Matrix<double, 1, 1>(direction.dot(axes.col(2) - rests_on)), 1);
@@ -132,8 +143,7 @@ SearchPose TableTerm::draw(RandomStream& random) const {
   Eigen::Vector3d lean = Eigen::Vector3d::Zero();  // of the object, in its frame
   for (std::size_t i = 0; i < 2; ++i) {
     const double angle = stable_pose.lean_sigmas[i] * random.normal();
-    lean += angle *
-            stable_pose.up.cast<double>().cross(stable_pose.lean_sigmas[i] * stable_pose.leans[i]);
+    lean += angle * stable_pose.up.cast<double>().cross(stable_pose.directions[i]);
   }
   const Eigen::Vector3d yaw(0, 0, random.uniform(-std::numbers::pi, std::numbers::pi));
   const Eigen::Matrix3d R_table_object = exp_so3(yaw) * stable_pose.R_table_object * exp_so3(lean);

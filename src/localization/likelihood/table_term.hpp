@@ -12,10 +12,11 @@ namespace palpate::localization {
 
 /// The object rests on the table: a prior that can be both evaluated and drawn from.
 ///
-/// E = min over stable poses s of |S_s (u - u_s)|^2 / 2 + (z - z_s)^2 / 2 height^2 - ln w_s, u
-/// being the table's up in the object's frame, plus a box with Gaussian edges in x and y. S_s
-/// divides by the tilt's standard deviation: that of the support and, along two directions, by how
-/// far errors of the surface make the object lean.
+/// E = min over stable poses s of sum_i (a_i / sigma_i)^2 / 2 + (z - z_s)^2 / 2 height^2 - ln w_s,
+/// plus a box with Gaussian edges in x and y. The lean a (rad) is the rotation vector from u_s to
+/// the table's up in the object's frame, along two directions; sigma_i consists of the tilt's
+/// standard deviation and how far errors of the surface and the centre of mass make the object
+/// lean.
 class TableTerm : public EvidenceTerm {
  public:
   TableTerm(const geometry::ObjectModel& model, const TableSupport& table);
@@ -33,10 +34,13 @@ class TableTerm : public EvidenceTerm {
     Eigen::Matrix3d R_table_object;
     Eigen::Vector3f up;  // of the table, in the object's frame
     double height, weight;
-    float minus_log_weight;                // with the density's factor of its tilts
-    std::array<Eigen::Vector3d, 2> leans;  // directions, object's frame, each over its deviation
-    std::array<double, 2> lean_sigmas;     // rad
-    Eigen::Matrix3f precision;             // of u - u_s
+    float minus_log_weight;                     // with the density's factor of its leans
+    std::array<Eigen::Vector3d, 2> directions;  // of the leans, object's frame
+    std::array<double, 2> lean_sigmas;          // rad
+    std::array<Eigen::Vector3f, 2> scaled;      // directions over sigmas
+
+    /// Of the sum of squares of the leans over their sigmas, half.
+    float lean_energy(const Eigen::Vector3f& table_up) const;
   };
   /// The stable pose that explains the pose best, with its part of the energy.
   struct Nearest {

@@ -98,11 +98,12 @@ void SensorErrors::drift_touch(std::uint64_t tick) {
   }
 }
 
-void SensorErrors::misread(std::size_t finger, hand::TipContact& contact) const {
+bool SensorErrors::misread(std::size_t finger, hand::TipContact& contact) const {
   const TouchError& touch = touches_[finger];
   contact.p += touch.offset + touch.point + touch.radius * contact.n;
-  if (touch.tilt.isZero(0)) return;
+  if (touch.tilt.isZero(0)) return true;
   contact.n = (contact.n + frame_with_z(contact.n).leftCols<2>() * touch.tilt).normalized();
+  return contact.f.dot(contact.n) < 0;
 }
 
 SensorNoise SensorErrors::white_noise() const {

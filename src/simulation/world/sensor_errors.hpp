@@ -27,9 +27,10 @@ class SensorErrors {
   /// Makes a reading of the true load and torques, the true base and joints into what is read.
   void misread(hand::HandReading& reading);
 
-  /// Makes a true contact of a fingertip into what its sensor gives, but for white noise; to be
+  /// Adds to a contact of a fingertip the errors that its sensor has beside white noise; to be
   /// called after misread().
-  void misread(std::size_t finger, hand::TipContact& contact) const;
+  /// @return false if it is not sensed: it would pull
+  bool misread(std::size_t finger, hand::TipContact& contact) const;
 
   /// Noise of contacts that is independent from reading to reading.
   [[nodiscard]] SensorNoise white_noise() const;

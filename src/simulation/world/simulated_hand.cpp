@@ -231,14 +231,14 @@ void SimulatedHand::read_contacts(hand::HandReading& reading, RandomStream& rand
   }
   const SensorNoise noise = errors_.white_noise();
   for (int i = 0; i < data_.ncon; ++i) {
-    auto touch = read_fingertip_touch(*scene_.model, data_, i, scene_.tips);
+    const auto touch = read_fingertip_touch(*scene_.model, data_, i, scene_.tips);
     if (!touch) continue;
     const bool of_object = scene_.model->geom_bodyid[touch->other_geom] == scene_.object;
     if (!scene_.is_sensed(touch->other_geom)) continue;
     const auto finger = static_cast<Index>(touch->finger);
     (of_object ? loads[finger].on_object : loads[finger].on_others).push_back(touch->contact);
-    errors_.misread(finger, touch->contact);
-    if (const auto sensed = with_sensor_noise(touch->contact, noise, random)) {
+    auto sensed = with_sensor_noise(touch->contact, noise, random);
+    if (sensed && errors_.misread(finger, *sensed)) {
       reading.contacts[finger].push_back(*sensed);
     }
   }

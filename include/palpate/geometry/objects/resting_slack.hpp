@@ -16,9 +16,9 @@ constexpr double kSurfaceErrorLength = 0.006;
 /// At a lean t to a side the plane meets the hull at p(t) and the centroid is h(t) high. An object
 /// rests where h is least. An error of the surface tilts a flat support by the error's difference
 /// over the support's width, and rolls a round one, of radius r about the support, by the error's
-/// slope times r / (r - h(0)): both where the mean of h(t) - h(0) over the two sides equals the
-/// error's difference between p(t) and p(-t). A centre of mass displaced by c rolls it to that side
-/// to where h rises by c per radian.
+/// slope times r / (r - h(0)): both where the mean of h(t) - h(0) over the two sides equals half
+/// the error's difference between p(t) and p(-t). A centre of mass displaced by c rolls it to that
+/// side to where h rises by c per radian. The facets of a tessellated round side stop nothing.
 class RestingSlack {
  public:
   /// @param hull  corners of the mesh's convex hull in the object's frame, whose origin is the
