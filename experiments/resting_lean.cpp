@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far objects lean whose surface and centre of mass are not as believed, against the standard
-// deviation that the localizer gives to it.
+// deviation of RestingSlack.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -111,9 +112,9 @@ Leans leans_of(const geometry::KnownObject& known, const Errors& errors, std::si
       }
       for (const int i : {0, 1}) {
         const double lean = std::abs(leaning.dot(slack.directions()[static_cast<std::size_t>(i)]));
+        const double sigma = slack.lean(i, errors.surface_sigma, errors.centroid_sigma);
         leans.degrees.push_back(lean * kDegrees);
-        leans.standardized.push_back(lean /
-                                     slack.lean(i, errors.surface_sigma, errors.centroid_sigma));
+        leans.standardized.push_back(lean / std::max(sigma, kLastStep));
       }
     }
   }
@@ -162,8 +163,8 @@ void measure(const Options& options) {
   }
   table.publish(options, "resting_lean",
                 "leans of objects at rest in worlds drawn at random, in two directions, over the "
-                "standard deviation that the localizer allows; a normal distribution holds 0.683, "
-                "0.954 and 0.997 within 1, 2 and 3");
+                "standard deviation that RestingSlack gives, without that of the table's tilt; a "
+                "normal distribution holds 0.683, 0.954 and 0.997 within 1, 2 and 3");
 }
 
 }  // namespace

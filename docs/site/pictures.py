@@ -140,7 +140,7 @@ SETS = {
     ),
     "relocate-best": policy_set("relocate-best"),
     "relocate-memoryless": policy_set("relocate-memoryless"),
-    "localization_tables": experiment_set("localization_tables", 30500, "calibration", "success"),
+    "localization_tables": experiment_set("localization_tables", 31700, "calibration", "success"),
     "localization_tracking": experiment_set("localization_tracking", 28700, "tracking"),
     "localization_probes": experiment_set("localization_probes", 9000, "probes"),
     "hand_figures": experiment_set("hand_figures", 9000, "hand_on_edge", "task_space_vectors",

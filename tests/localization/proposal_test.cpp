@@ -36,6 +36,32 @@ TEST(TableTerm, DrawsFromTheDensityItEvaluates) {
   EXPECT_NEAR(std::sqrt(spread_x), table.half_width / std::sqrt(3), 0.1 * table.half_width);
 }
 
+TEST(TableTerm, LargeLeansAreAsProbableAsStated) {
+  const geometry::ObjectModel& model = model_of("bottle");  // it lies, and rolls
+  TableSupport table;
+  table.T_frame_table = Eigen::Isometry3d::Identity();
+  table.stable_pose_weights.assign(model.object().stable_poses.size(), 0);
+  table.stable_pose_weights[0] = 1;
+  table.surface_sigma = 0.001;
+  table.centroid_sigma = 0.005;
+  double expected = 1.5;  // half a unit for each lean and the height, and the leans' widths
+  for (const int i : {0, 1}) {
+    const double lean = model.resting_slack()[0].lean(i, table.surface_sigma, table.centroid_sigma);
+    EXPECT_GT(lean, i == 0 ? 0.2 : 0.0);
+    expected += std::log(std::hypot(1, lean / table.tilt_sigma));
+  }
+  const double edge = table.edge_sigma * std::sqrt(2 * M_PI);
+  expected += edge / (2 * table.half_width + edge);
+  const TableTerm term(model, table);
+  RandomStream random(3);
+  constexpr int kDraws = 20000;
+  double energy = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    energy += static_cast<double>(term.energy(term.draw(random), kNoBound)) / kDraws;
+  }
+  EXPECT_NEAR(energy, expected, 0.05);
+}
+
 TEST(AnchorProposal, PutsTheSurfaceAtAContact) {
   const geometry::ObjectModel& model = model_of("bracket");
   const Scene scene = make_scene(model, {}, RandomStream(3));
