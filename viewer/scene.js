@@ -312,7 +312,7 @@ export class Scene {
     then.updateMatrix();
     const palm = new THREE.Group();
     // Once the hand has let go, the object stays where it stood then.
-    const letGo = r.placement?.let_go.find((at) => at > time) ?? Infinity;
+    const letGo = r.placement?.let_go.find((at) => at > time - 1e-3) ?? Infinity;
     if (r.time[frame] > letGo) {
       this.#pose(palm, r.linkPoses, r.links, r.palm, r.frameAt(letGo), 0);
     } else {
