@@ -90,6 +90,11 @@ class Localize(CliTest):
         first, second = (self.localize(contacts_on_box(9), "--seed", "3") for _ in range(2))
         self.assertEqual(first["modes"], second["modes"])
 
+    def test_an_error_of_the_centre_of_mass_goes_with_a_table(self):
+        self.localize(contacts_on_box(9))  # writes the files
+        command = ["localize", "box.stl", "contacts.csv", "--set", "centroid_sigma=0.003"]
+        self.assert_refused(BAD_INPUT, command, "centroid_sigma = 0.003 goes with --table")
+
     def test_rows_out_of_order(self):
         rows = [row + [float(i)] for i, row in enumerate(contacts_on_box(12))]
         header = HEADER + ",t"
