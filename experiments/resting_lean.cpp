@@ -13,6 +13,7 @@
 
 #include "experiment.hpp"
 #include "geometry/mesh/convex_hull.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/statistics.hpp"
@@ -29,7 +30,6 @@ constexpr std::size_t kDraws = 16;  // of a world, for each object
 constexpr int kWays = 64;           // in which an object is leaned to find where it is lower
 constexpr double kFirstStep = 0.01, kLastStep = 2e-4, kShrink = 0.6;  // rad
 constexpr double kFallen = 0.5;  // rad; farther is another stable pose
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// What differs in the drawn worlds, and what the localizer allows for.
 struct Errors {
@@ -113,7 +113,7 @@ Leans leans_of(const geometry::KnownObject& known, const Errors& errors, std::si
       for (const int i : {0, 1}) {
         const double lean = std::abs(leaning.dot(slack.directions()[static_cast<std::size_t>(i)]));
         const double sigma = slack.lean(i, errors.surface_sigma, errors.centroid_sigma);
-        leans.degrees.push_back(lean * kDegrees);
+        leans.degrees.push_back(lean * kDegreesPerRadian);
         leans.standardized.push_back(lean / std::max(sigma, kLastStep));
       }
     }

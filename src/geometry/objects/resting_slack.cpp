@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/objects/stable_poses.hpp"
 #include "palpate/core/se3.hpp"
 
 namespace palpate::geometry {
@@ -14,7 +15,6 @@ namespace {
 constexpr int kDirections = 16;      // of half a turn, each looked at to both sides
 constexpr double kTrialLean = 0.04;  // rad, at which directions are compared
 constexpr double kTurn = 1e-5;       // rad, to which the softest direction is found
-constexpr double kBarrier = 1e-4;    // m, that does not stop an object, as in StablePoseOptions
 /// Middles of four equally probable parts of the absolute value of a standard normal variable.
 constexpr std::array<double, 4> kNormalQuantiles = {0.157, 0.489, 0.887, 1.534};
 
@@ -82,9 +82,10 @@ RestingSlack::Profile RestingSlack::profile(const std::vector<Eigen::Vector3d>& 
     }
     profile.half_widths[i] = std::abs(at[1] - at[0]) / 2;
   }
-  for (Rises& rises : profile.sides) {  // over the facets of a tessellated round side
+  const double barrier = StablePoseOptions{}.barrier;  // the facets of a round side are lower
+  for (Rises& rises : profile.sides) {
     for (std::size_t i = kLeans.size() - 1; i-- > 0;) {
-      if (std::max(rises[i], rises[i + 1]) < kBarrier) rises[i] = std::min(rises[i], rises[i + 1]);
+      if (std::max(rises[i], rises[i + 1]) < barrier) rises[i] = std::min(rises[i], rises[i + 1]);
     }
   }
   return profile;
