@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "palpate/hand/tip_forces.hpp"
@@ -34,7 +35,10 @@ constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may l
 constexpr double kBackOff = 0.015;    // m
 constexpr double kEarlier = 0.015;    // m before the expected touch, from where a move is slow
 constexpr double kRunUp = 0.02;       // m of a guarded move before that, which is fast
+constexpr double kOutside = 0.001;    // m beside where the object may be
 constexpr double kSettle = 0.08;      // s of standing still before a guarded move
+constexpr double kLight = 0.1;  // kg of an object that is touched at ExploreOptions::touch_speed
+constexpr double kFaster = 2;   // times that speed, at most, for what is heavier
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
 constexpr double kMinTime = 180;        // s, of the whole phase
 
@@ -69,6 +73,15 @@ std::vector<int> every_other_first(int count) {
   for (int i = 0; i < count; i += 2) order.push_back(i);
   for (int i = 1; i < count; i += 2) order.push_back(i);
   return order;
+}
+
+/// m/s at which the lightest candidate can be touched: what it takes to move an object grows with
+/// its mass, and so does what a fingertip may meet it with.
+double speed_of_touch(const estimation::Candidates& candidates, double touch_speed) {
+  double mass = std::numeric_limits<double>::infinity();
+  for (const geometry::ObjectModel* candidate : candidates)
+    mass = std::min(mass, candidate->object().mass);
+  return touch_speed * std::clamp(mass / kLight, 1.0, kFaster);
 }
 
 /// Whether one pose is left, and not a family of them.
@@ -284,12 +297,20 @@ double ExplorePhase::clear_way(const Executor& robot, const PickState& state,
   return down && clear > 0 ? length : clear;
 }
 
-/// Without most of the way along which it can meet none of the credible poses.
-localization::GuardedMove ExplorePhase::shortened(const Executor& robot, const PickState& state,
-                                                  const localization::TurnedMove& turned) const {
+/// Without most of the way along which it can meet none of the credible poses. Where none is known
+/// yet, from so far out that the hand comes down beside the object wherever it stands.
+localization::GuardedMove ExplorePhase::begun_near(const Executor& robot, const PickState& state,
+                                                   const localization::TurnedMove& turned) const {
   localization::GuardedMove move = turned.guarded_move;
   const Eigen::Vector3d way = move.to - move.from;
-  if (!state.resting || state.resting->modes.empty() || way.z() != 0) return move;
+  if (way.z() != 0) return move;
+  if (!state.resting || state.resting->modes.empty()) {
+    const double inside = -clear_way(robot, state, turned) + kOutside;
+    if (inside > 0 && !robot.log().at(estimation::TouchEvent::fallen)) {
+      move.from -= inside * way.normalized();
+    }
+    return move;
+  }
   const double clear = clear_way(robot, state, turned) - kRunUp;
   if (clear > 0 && clear < way.norm() - kRunUp - kEarlier) move.from += clear * way.normalized();
   return move;
@@ -298,7 +319,7 @@ localization::GuardedMove ExplorePhase::shortened(const Executor& robot, const P
 /// Travels over the object, comes down to where the guarded move begins, makes it, and goes back.
 ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const PickState& state,
                                                         const localization::TurnedMove& turned) {
-  const localization::GuardedMove move = shortened(robot, state, turned);
+  const localization::GuardedMove move = begun_near(robot, state, turned);
   const auto base_at = [&](const Eigen::Vector3d& tip) {
     return base_for_probe(robot, pointing(robot), yaw(turned.turn), tip);
   };
@@ -314,7 +335,8 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
   const localization::TurnedMove shorter{move, turned.turn};
   if (there) {
     const double clear = clear_way(robot, state, shorter);
-    end = move_until_contact(robot, shorter, clear, options_.touch_speed);
+    end = move_until_contact(robot, shorter, clear,
+                             speed_of_touch(estimator_.candidates(), options_.touch_speed));
   }
   if (end == GuardedMoveEnd::timed_out) return end;
   go_back(robot, there ? move : descent.guarded_move, base_at(above).xyz.z());

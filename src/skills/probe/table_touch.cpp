@@ -25,7 +25,8 @@ constexpr double kUnlike = 1e-6;          // likelihood that a pose keeps
 constexpr double kTableTouchSeconds = 4;  // s that a touch takes
 constexpr double kSlowFrom = 0.006;       // m over the expected touch, and two of its sigmas
 constexpr double kGiveUp = 0.012;         // m below it, and two of its sigmas
-constexpr double kTurnedSpeed = 0.1;      // m/s
+constexpr double kTurnedSpeed = 0.15;     // m/s
+constexpr double kClearance = 0.02;       // m of the object over the table while it turns
 constexpr double kGuardedSpeed = 0.005;  // m/s: the stiff grip presses 2 N/mm, and turns the object
 constexpr double kBorne = 0.25;          // N that the table bears
 constexpr double kKnocked = 1.5;         // N by which a fast motion has met something
@@ -44,6 +45,17 @@ Eigen::Isometry3d turned_about(const Eigen::Vector3d& point, const Eigen::Vector
   T.linear() = exp_so3(turn);
   T.translation() = point - T.linear() * point;
   return T;
+}
+
+std::vector<Eigen::Vector3d> possible_turns() {
+  std::vector<Eigen::Vector3d> turns;
+  for (const double angle : kTurns) {
+    for (int i = 0; i < kAzimuths; ++i) {
+      const double azimuth = 2 * std::numbers::pi * i / kAzimuths;
+      turns.emplace_back(angle * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0));
+    }
+  }
+  return turns;
 }
 
 hand::BasePosition lowered(hand::BasePosition base, double by) {
@@ -109,17 +121,21 @@ std::optional<TableTouch> TableTouchChoice::judged(const Eigen::Vector3d& turn) 
                     {information, kTableTouchSeconds}};
 }
 
+double TableTouchChoice::travel_height() const {
+  double low = std::ranges::min(lowest_points(Eigen::Vector3d::Zero()));
+  for (const Eigen::Vector3d& turn : possible_turns()) {
+    low = std::min(low, std::ranges::min(lowest_points(turn)));
+  }
+  return std::min(height(), kClearance - low);
+}
+
 std::optional<TableTouch> TableTouchChoice::next() const {
   std::optional<TableTouch> best;
-  for (const double angle : kTurns) {
-    for (int i = 0; i < kAzimuths; ++i) {
-      const double azimuth = 2 * std::numbers::pi * i / kAzimuths;
-      const Eigen::Vector3d turn = angle * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0);
-      if (std::find(done_.begin(), done_.end(), turn) != done_.end()) continue;
-      const auto touch = judged(turn);
-      if (!touch || (best && touch->expected_gain.rate() <= best->expected_gain.rate())) continue;
-      best = touch;
-    }
+  for (const Eigen::Vector3d& turn : possible_turns()) {
+    if (std::find(done_.begin(), done_.end(), turn) != done_.end()) continue;
+    const auto touch = judged(turn);
+    if (!touch || (best && touch->expected_gain.rate() <= best->expected_gain.rate())) continue;
+    best = touch;
   }
   return best;
 }
@@ -139,10 +155,11 @@ void TableTouchChoice::made(const TableTouch& touch, std::optional<double> lowes
 
 std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choice,
                                   const TableTouch& touch, double min_load) {
-  const hand::BasePosition turned = base_near(choice.turned_base(touch), robot.command().base);
+  const hand::BasePosition high = base_near(choice.turned_base(touch), robot.command().base);
+  const hand::BasePosition turned = lowered(high, choice.height() - choice.travel_height());
   const double way = choice.height() + touch.lowest;  // down to the table
-  const hand::BasePosition over = lowered(turned, way - kSlowFrom - 2 * touch.sigma);
-  const hand::BasePosition low = lowered(turned, way + kGiveUp + 2 * touch.sigma);
+  const hand::BasePosition over = lowered(high, way - kSlowFrom - 2 * touch.sigma);
+  const hand::BasePosition low = lowered(high, way + kGiveUp + 2 * touch.sigma);
   for (const auto& place : {turned, low}) {
     if (!robot.obstacle(place).empty()) return std::nullopt;
   }

@@ -39,6 +39,9 @@ class TableTouchChoice {
   /// Height of the object's centroid over the table, m.
   [[nodiscard]] double height() const { return centroid_.z(); }
 
+  /// Of its centroid, at which the object turns clear of the table; not above height(), m.
+  [[nodiscard]] double travel_height() const;
+
   /// The turn has been made. @param lowest  as it was found, where the table was met
   void made(const TableTouch& touch, std::optional<double> lowest);
 

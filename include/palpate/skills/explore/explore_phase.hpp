@@ -15,7 +15,7 @@ struct ExploreOptions {
   double radius = 0.135;      ///< of the circle from which they start, m
   double past = 0.05;         ///< how far they go past the object's place, m
   double speed = 0.10;        ///< of a guarded move where no touch is expected, m/s
-  double touch_speed = 0.03;  ///< of a guarded move where one is, m/s
+  double touch_speed = 0.03;  ///< of a guarded move where one is, of an object of 0.1 kg, m/s
   double touch_force = 0.1;   ///< N at the fingertip
   double travel_speed = 0.4;  ///< m/s
   double reach = 0.013;       ///< below the object's top, where only the fingertip touches, m
@@ -35,7 +35,8 @@ struct ExploreOptions {
              "m, distance that guarded moves continue past the object's position");
     v("speed", speed, 0.001, 0.2, "m/s, speed of a guarded move where no touch is expected");
     v("touch_speed", touch_speed, 0.001, 0.2,
-      "m/s, speed of a guarded move where a touch is expected");
+      "m/s, speed of a guarded move where a touch is expected of an object of up to 0.1 kg; up to "
+      "twice as fast for heavier ones");
     v("touch_force", touch_force, 0.02, 5.0, "N, force at the fingertip that counts as a touch");
     v.expert("travel_speed", travel_speed, 0.01, 2.0, "m/s, speed between guarded moves");
     v("reach", reach, 0.005, 0.07, "m, depth of the fingertip below the object's top");
@@ -64,8 +65,8 @@ class ExplorePhase : public Phase {
   enum class GuardedMoveEnd { touched, missed, blocked, timed_out };
   GuardedMoveEnd guarded_move(Executor& robot, const PickState& state,
                               const localization::TurnedMove& turned);
-  localization::GuardedMove shortened(const Executor& robot, const PickState& state,
-                                      const localization::TurnedMove& turned) const;
+  localization::GuardedMove begun_near(const Executor& robot, const PickState& state,
+                                       const localization::TurnedMove& turned) const;
   GuardedMoveEnd come_down(Executor& robot, const PickState& state,
                            const localization::TurnedMove& descent);
   GuardedMoveEnd move_until_contact(Executor& robot, const localization::TurnedMove& turned,
