@@ -234,15 +234,15 @@ void bind_contacts(nb::module_& module) {
       .def("__repr__", &repr);
   module.def(
       "read_contacts",
-      [](const std::filesystem::path& path, double point_noise, double normal_noise) {
-        check_noise("point_noise", point_noise);
-        check_noise("normal_noise", normal_noise);
-        return Contacts{localization::read_contacts(path, {point_noise, normal_noise})};
+      [](const std::filesystem::path& path, double point_sigma, double normal_sigma) {
+        check_noise("point_sigma", point_sigma);
+        check_noise("normal_sigma", normal_sigma);
+        return Contacts{localization::read_contacts(path, {point_sigma, normal_sigma})};
       },
-      "path"_a, nb::kw_only(), "point_noise"_a = kPointSigma, "normal_noise"_a = kNormalSigma,
+      "path"_a, nb::kw_only(), "point_sigma"_a = kPointSigma, "normal_sigma"_a = kNormalSigma,
       nb::call_guard<nb::gil_scoped_release>(),
       "Contacts of a CSV with x,y,z and, optionally, nx,ny,nz,point_sigma,normal_sigma,"
-      "group,finger,t,fx,fy,fz; point_noise (m) and normal_noise (rad) where the file states "
+      "group,finger,t,fx,fy,fz; point_sigma (m) and normal_sigma (rad) where the file states "
       "none.\n\nRaises ValueError, naming file and line, and for noise that is not positive.");
 }
 

@@ -35,11 +35,13 @@ void check_length(const char* what, double value, double least) {
 }
 
 lo::TableSupport make_table(nb::object T_frame_table, double half_width, double tilt_sigma,
-                            double height_sigma, double edge_sigma, double centroid_sigma) {
+                            double height_sigma, double edge_sigma, double surface_sigma,
+                            double centroid_sigma) {
   check_length("half_width", half_width, 0);
   check_length("tilt_sigma", tilt_sigma, kLeast);
   check_length("height_sigma", height_sigma, kLeast);
   check_length("edge_sigma", edge_sigma, kLeast);
+  check_length("surface_sigma", surface_sigma, 0);
   check_length("centroid_sigma", centroid_sigma, 0);
   lo::TableSupport table;
   table.T_frame_table = pose_from(T_frame_table, "T_frame_table");
@@ -47,6 +49,7 @@ lo::TableSupport make_table(nb::object T_frame_table, double half_width, double 
   table.tilt_sigma = tilt_sigma;
   table.height_sigma = height_sigma;
   table.edge_sigma = edge_sigma;
+  table.surface_sigma = surface_sigma;
   table.centroid_sigma = centroid_sigma;
   return table;
 }
@@ -225,22 +228,32 @@ void bind_evidence(nb::module_& module) {
       .def(
           "__init__",
           [](lo::TableSupport* self, nb::object T, double half_width, double tilt_sigma,
-             double height_sigma, double edge_sigma, double centroid_sigma) {
-            new (self) lo::TableSupport(
-                make_table(T, half_width, tilt_sigma, height_sigma, edge_sigma, centroid_sigma));
+             double height_sigma, double edge_sigma, double surface_sigma, double centroid_sigma) {
+            new (self) lo::TableSupport(make_table(T, half_width, tilt_sigma, height_sigma,
+                                                   edge_sigma, surface_sigma, centroid_sigma));
           },
           "T_frame_table"_a, nb::kw_only(), "half_width"_a = 0.02, "tilt_sigma"_a = 0.02,
-          "height_sigma"_a = 0.001, "edge_sigma"_a = 0.002, "centroid_sigma"_a = 0.0,
-          nb::sig("def __init__(self, T_frame_table: numpy.typing.ArrayLike, *, half_width: float "
-                  "= 0.02, tilt_sigma: float = 0.02, height_sigma: float = 0.001, edge_sigma: "
-                  "float = 0.002, centroid_sigma: float = 0.0) -> None"),
-          "T_frame_table (4, 4): z up, z = 0 the surface, x and y the rough place of the object's "
-          "centroid, known to +- half_width, m. tilt_sigma, rad; "
-          "height_sigma, m; edge_sigma, m: softness of half_width; centroid_sigma, m per axis: "
-          "error "
-          "of the centre of mass, by which the object leans.\n\nRaises ValueError unless it "
-          "is "
-          "a pose, and for numbers that are negative or of no table.")
+          "height_sigma"_a = 0.001, "edge_sigma"_a = 0.002, "surface_sigma"_a = 0.0,
+          "centroid_sigma"_a = 0.0,
+          nb::sig(
+              "def __init__(self, T_frame_table: numpy.typing.ArrayLike, *, half_width: float "
+              "= 0.02, tilt_sigma: float = 0.02, height_sigma: float = 0.001, edge_sigma: "
+              "float = 0.002, surface_sigma: float = 0.0, centroid_sigma: float = 0.0) -> None"),
+          "Raises ValueError unless T_frame_table is a pose (4, 4), and for numbers that are "
+          "negative or of no table.")
+      .def_prop_ro(
+          "T_frame_table", [](const lo::TableSupport& self) { return pose(self.T_frame_table); },
+          nb::sig("def T_frame_table(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "(4, 4): z up, z = 0 the surface, x and y the rough place of the object's centroid, m.")
+      .def_ro("half_width", &lo::TableSupport::half_width,
+              "The centroid is within +- this of that place in x and y, m.")
+      .def_ro("tilt_sigma", &lo::TableSupport::tilt_sigma, "Error of the table's tilt, rad.")
+      .def_ro("height_sigma", &lo::TableSupport::height_sigma, "Error of its height, m.")
+      .def_ro("edge_sigma", &lo::TableSupport::edge_sigma, "Softness of half_width, m.")
+      .def_ro("surface_sigma", &lo::TableSupport::surface_sigma,
+              "Error of the surface on which the object rests, by which it leans, m.")
+      .def_ro("centroid_sigma", &lo::TableSupport::centroid_sigma,
+              "Error of the centre of mass per axis, by which the object leans, m.")
       .def("__repr__", [](const lo::TableSupport& self) {
         const Eigen::Vector3d t = self.T_frame_table.translation();
         return fmt::format("TableSupport(({:.3f}, {:.3f}, {:.3f}) m, +- {:.3f} m)", t.x(), t.y(),

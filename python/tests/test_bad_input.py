@@ -47,8 +47,8 @@ class BadInput(unittest.TestCase):
                 (r"shape \(2,\), not \(\) or \(1,\)",
                  lambda: palpate.Contacts(one, point_sigma=[1, 2])),
                 ("points: <U3 is no real number", lambda: palpate.Contacts(np.full((1, 3), "0.1"))),
-                ("point_noise is nan", lambda: palpate.read_contacts("x.csv", point_noise=NAN)),
-                ("normal_noise is -1", lambda: palpate.read_contacts("x.csv", normal_noise=-1)),
+                ("point_sigma is nan", lambda: palpate.read_contacts("x.csv", point_sigma=NAN)),
+                ("normal_sigma is -1", lambda: palpate.read_contacts("x.csv", normal_sigma=-1)),
             ]
         )  # fmt: skip
 

@@ -125,6 +125,15 @@ class Localization(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, r"not \(N, 4\)"):
             palpate.localize(self.model, few, free_space=[[0, 0, 0]])
 
+    def test_a_table_keeps_what_it_was_given(self):
+        values = {"half_width": 0.05, "tilt_sigma": 0.03, "height_sigma": 0.002,
+                  "edge_sigma": 0.004, "surface_sigma": 0.0005, "centroid_sigma": 0.003}  # fmt: skip
+        table = palpate.TableSupport(self.truth, **values)
+        self.assertEqual({name: getattr(table, name) for name in values}, values)
+        np.testing.assert_allclose(table.T_frame_table, self.truth, atol=1e-12)
+        with self.assertRaisesRegex(ValueError, "surface_sigma is -1"):
+            palpate.TableSupport(self.truth, surface_sigma=-1)
+
     def test_planes_are_heard(self):
         """Where the object ends along each axis settles what three contacts leave open."""
         few = palpate.Contacts(self.points[:3], self.normals[:3]).transformed(self.truth)

@@ -178,24 +178,10 @@ double fastest_between(const estimation::EventLog& log, std::size_t from, std::s
   return fastest;
 }
 
-TEST(ExplorePhase, ComesDownBesideWhereTheObjectMayBe) {
+TEST(ExplorePhase, ComesDownSlowlyWhereTheObjectMayBe) {
   Exploring exploring([](std::size_t) { return false; });
   exploring.options.touches = exploring.options.max_touches = 2;
   exploring.options.radius = 0.1;  // a box that lies reaches 99 mm
-  exploring.options.turn = 0;
-  exploring.explore();
-  EXPECT_EQ(exploring.count_of(estimation::TouchEvent::guarded_move), exploring.sweeps);
-  ASSERT_EQ(exploring.sweeps, 4u);
-  const Eigen::Vector2d out = exploring.starts[0].xyz.head<2>() - exploring.starts[1].xyz.head<2>();
-  EXPECT_GT(out.norm(), 2 * (0.099 + exploring.locate.resting_half_width));
-}
-
-TEST(ExplorePhase, ComesDownSlowlyWhereAFallenObjectMayBe) {
-  Exploring exploring([](std::size_t) { return false; });
-  exploring.options.touches = exploring.options.max_touches = 2;
-  exploring.options.radius = 0.1;
-  exploring.robot.wait(0.01);
-  exploring.robot.add_event(estimation::TouchEvent::fallen);
   exploring.explore();
   const auto& log = exploring.robot.log();
   const auto sets_out = log.all(estimation::TouchEvent::guarded_move);
@@ -219,8 +205,7 @@ TEST(ExplorePhase, WhatTheFingertipMeetsOnTheWayDownIsATouch) {
   exploring.met = 0.02;
   exploring.meets_on_the_way_down = true;
   exploring.options.touches = exploring.options.max_touches = 2;
-  exploring.robot.wait(0.01);
-  exploring.robot.add_event(estimation::TouchEvent::fallen);
+  exploring.options.radius = 0.1;
   exploring.explore();
   EXPECT_EQ(exploring.sweeps, 0u);
   ASSERT_EQ(exploring.count_of(estimation::TouchEvent::touched), 2u);

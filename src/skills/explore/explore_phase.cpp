@@ -35,7 +35,6 @@ constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may l
 constexpr double kBackOff = 0.015;    // m
 constexpr double kEarlier = 0.015;    // m before the expected touch, from where a move is slow
 constexpr double kRunUp = 0.02;       // m of a guarded move before that, which is fast
-constexpr double kOutside = 0.001;    // m beside where the object may be
 constexpr double kSettle = 0.08;      // s of standing still before a guarded move
 constexpr double kLight = 0.1;  // kg of an object that is touched at ExploreOptions::touch_speed
 constexpr double kFaster = 2;   // times that speed, at most, for what is heavier
@@ -297,20 +296,12 @@ double ExplorePhase::clear_way(const Executor& robot, const PickState& state,
   return down && clear > 0 ? length : clear;
 }
 
-/// Without most of the way along which it can meet none of the credible poses. Where none is known
-/// yet, from so far out that the hand comes down beside the object wherever it stands.
-localization::GuardedMove ExplorePhase::begun_near(const Executor& robot, const PickState& state,
-                                                   const localization::TurnedMove& turned) const {
+/// Without most of the way along which it can meet none of the credible poses.
+localization::GuardedMove ExplorePhase::shortened(const Executor& robot, const PickState& state,
+                                                  const localization::TurnedMove& turned) const {
   localization::GuardedMove move = turned.guarded_move;
   const Eigen::Vector3d way = move.to - move.from;
-  if (way.z() != 0) return move;
-  if (!state.resting || state.resting->modes.empty()) {
-    const double inside = -clear_way(robot, state, turned) + kOutside;
-    if (inside > 0 && !robot.log().at(estimation::TouchEvent::fallen)) {
-      move.from -= inside * way.normalized();
-    }
-    return move;
-  }
+  if (!state.resting || state.resting->modes.empty() || way.z() != 0) return move;
   const double clear = clear_way(robot, state, turned) - kRunUp;
   if (clear > 0 && clear < way.norm() - kRunUp - kEarlier) move.from += clear * way.normalized();
   return move;
@@ -319,7 +310,7 @@ localization::GuardedMove ExplorePhase::begun_near(const Executor& robot, const 
 /// Travels over the object, comes down to where the guarded move begins, makes it, and goes back.
 ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const PickState& state,
                                                         const localization::TurnedMove& turned) {
-  const localization::GuardedMove move = begun_near(robot, state, turned);
+  const localization::GuardedMove move = shortened(robot, state, turned);
   const auto base_at = [&](const Eigen::Vector3d& tip) {
     return base_for_probe(robot, pointing(robot), yaw(turned.turn), tip);
   };

@@ -65,8 +65,8 @@ class ExplorePhase : public Phase {
   enum class GuardedMoveEnd { touched, missed, blocked, timed_out };
   GuardedMoveEnd guarded_move(Executor& robot, const PickState& state,
                               const localization::TurnedMove& turned);
-  localization::GuardedMove begun_near(const Executor& robot, const PickState& state,
-                                       const localization::TurnedMove& turned) const;
+  localization::GuardedMove shortened(const Executor& robot, const PickState& state,
+                                      const localization::TurnedMove& turned) const;
   GuardedMoveEnd come_down(Executor& robot, const PickState& state,
                            const localization::TurnedMove& descent);
   GuardedMoveEnd move_until_contact(Executor& robot, const localization::TurnedMove& turned,
