@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "palpate/hand/tip_forces.hpp"
@@ -36,8 +35,6 @@ constexpr double kBackOff = 0.015;    // m
 constexpr double kEarlier = 0.015;    // m before the expected touch, from where a move is slow
 constexpr double kRunUp = 0.02;       // m of a guarded move before that, which is fast
 constexpr double kSettle = 0.08;      // s of standing still before a guarded move
-constexpr double kLight = 0.1;  // kg of an object that is touched at ExploreOptions::touch_speed
-constexpr double kFaster = 2;   // times that speed, at most, for what is heavier
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
 constexpr double kMinTime = 180;        // s, of the whole phase
 
@@ -72,15 +69,6 @@ std::vector<int> every_other_first(int count) {
   for (int i = 0; i < count; i += 2) order.push_back(i);
   for (int i = 1; i < count; i += 2) order.push_back(i);
   return order;
-}
-
-/// m/s at which the lightest candidate can be touched: what it takes to move an object grows with
-/// its mass, and so does what a fingertip may meet it with.
-double speed_of_touch(const estimation::Candidates& candidates, double touch_speed) {
-  double mass = std::numeric_limits<double>::infinity();
-  for (const geometry::ObjectModel* candidate : candidates)
-    mass = std::min(mass, candidate->object().mass);
-  return touch_speed * std::clamp(mass / kLight, 1.0, kFaster);
 }
 
 /// Whether one pose is left, and not a family of them.
@@ -327,7 +315,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
   if (there) {
     const double clear = clear_way(robot, state, shorter);
     end = move_until_contact(robot, shorter, clear,
-                             speed_of_touch(estimator_.candidates(), options_.touch_speed));
+                             speed_of_touch(estimator_.candidates(), options_));
   }
   if (end == GuardedMoveEnd::timed_out) return end;
   go_back(robot, there ? move : descent.guarded_move, base_at(above).xyz.z());

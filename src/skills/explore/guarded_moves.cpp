@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace palpate::skills {
@@ -13,11 +14,21 @@ constexpr int kDirections = 16;      // of further guarded moves
 constexpr int kOffsets = 3;          // to either side of the object's place
 constexpr double kSpacing = 0.015;   // m between them
 constexpr double kDepthStep = 0.02;  // m between heights of further guarded moves
+constexpr double kLight = 0.1;       // kg of an object that is touched at touch_speed
+constexpr double kFaster = 2;        // times that speed, at most, for what is heavier
 
 }  // namespace
 
 double first_depth(const PickState& state, const ExploreOptions& options) {
   return std::max(kMinDepth, state.height - options.reach);
+}
+
+double speed_of_touch(const estimation::Candidates& candidates, const ExploreOptions& options) {
+  double mass = std::numeric_limits<double>::infinity();
+  for (const geometry::ObjectModel* candidate : candidates) {
+    mass = std::min(mass, candidate->object().mass);
+  }
+  return options.touch_speed * std::clamp(mass / kLight, 1.0, kFaster);
 }
 
 localization::GuardedMove level_guarded_move(const PickState& state, const ExploreOptions& options,

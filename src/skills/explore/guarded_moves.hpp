@@ -7,6 +7,10 @@
 
 namespace palpate::skills {
 
+/// m/s at which the lightest candidate is touched: what it takes to move an object grows with its
+/// mass, and so does what a fingertip may meet it with.
+double speed_of_touch(const estimation::Candidates& candidates, const ExploreOptions& options);
+
 /// m above the table of the fingertip's centre in the first guarded moves.
 double first_depth(const PickState& state, const ExploreOptions& options);
 
