@@ -15,7 +15,7 @@ struct ExploreOptions {
   double radius = 0.135;      ///< of the circle from which they start, m
   double past = 0.05;         ///< how far they go past the object's place, m
   double speed = 0.10;        ///< of a guarded move where no touch is expected, m/s
-  double touch_speed = 0.03;  ///< of a guarded move where one is, of an object of 0.1 kg, m/s
+  double touch_speed = 0.03;  ///< of a guarded move where one is, for up to 0.1 kg, m/s
   double touch_force = 0.1;   ///< N at the fingertip
   double travel_speed = 0.4;  ///< m/s
   double reach = 0.013;       ///< below the object's top, where only the fingertip touches, m
