@@ -126,6 +126,7 @@ hand::HandReading Executor::step() {
   in_world.base.xyz.z() += table_height_;
   hand::HandReading reading = hand_.step(in_world);
   reading.base.xyz.z() -= table_height_;
+  sensed_load_ = reading.base_force;
   reading.base_force -= reading.base.pose().linear() * load_error_.bias;
   reading.base_force.z() -= load_error_.weight;
   return reading;
@@ -178,7 +179,7 @@ bool Executor::read_once() {
   if (watchdog_ && watchdog_->fired()) {
     stop_for(Fault::silent, fmt::format("a step took longer than {} s", safety_.options.watchdog));
   }
-  const ReadingCheck check = readings_->check(reading, command_);
+  const ReadingCheck check = readings_->check(reading, sensed_load_, command_);
   if (check.usable) keep(std::move(reading));
   if (check.fault != Fault::none) stop_for(check.fault, check.detail);
   return check.usable;
@@ -214,7 +215,7 @@ void Executor::ease() {
   for (int i = 0; i < kEasingTicks; ++i) {
     command_ = eased(command_, reading(), model_, safety_.options);
     hand::HandReading now = step();
-    if (readings_->check(now, command_).usable) keep(std::move(now));
+    if (readings_->check(now, sensed_load_, command_).usable) keep(std::move(now));
   }
 }
 

@@ -71,17 +71,19 @@ std::string ReadingGate::wrong_size(const hand::HandReading& reading) const {
   return {};
 }
 
-ReadingCheck ReadingGate::check(hand::HandReading& reading, const hand::HandCommand& command) {
+ReadingCheck ReadingGate::check(hand::HandReading& reading, const Eigen::Vector3d& sensed_load,
+                                const hand::HandCommand& command) {
   ++tick_;
   for (const ReadingCheck& check : {check_time(reading.time), check_values(reading)}) {
     if (!check.usable || check.fault != Fault::none) return check;
   }
   for (const ReadingCheck& check :
-       {check_repeats(reading), check_touch(reading), check_load(reading),
+       {check_repeats(reading, sensed_load), check_touch(reading), check_load(reading),
         check_tracking(reading, command), check_mount(reading, command)}) {
     if (check.fault != Fault::none) return check;
   }
   last_ = reading;
+  last_load_ = sensed_load;
   last_tick_ = tick_;
   return {};
 }
@@ -161,12 +163,13 @@ std::string ReadingGate::jump(const hand::HandReading& reading) const {
 }
 
 /// No sensor reads the same twice, to the last bit.
-ReadingCheck ReadingGate::check_repeats(const hand::HandReading& reading) {
+ReadingCheck ReadingGate::check_repeats(const hand::HandReading& reading,
+                                        const Eigen::Vector3d& sensed_load) {
   if (!last_) return {};
   const auto count = [](bool repeats, int& times) { times = repeats ? times + 1 : 0; };
   count(reading.joints == last_->joints, same_joints_);
   count(reading.torques == last_->torques, same_torques_);
-  count(reading.base_force == last_->base_force, same_load_);
+  count(sensed_load == last_load_, same_load_);
   const char* const what = same_joints_ >= options_.max_repeats    ? "joints"
                            : same_torques_ >= options_.max_repeats ? "torques"
                            : same_load_ >= options_.max_repeats    ? "the mount's load"

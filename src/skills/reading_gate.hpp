@@ -28,8 +28,11 @@ class ReadingGate {
         astray_(hand.actuators.size()) {}
 
   /// Takes the contacts of fingertips that cannot be believed out of the reading.
+  /// @param sensed_load  of the mount, as its sensor gave it: in the reading it is corrected by an
+  ///   attitude that is not the same in any two of them
   /// @param command  that was given for the tick
-  ReadingCheck check(hand::HandReading& reading, const hand::HandCommand& command);
+  ReadingCheck check(hand::HandReading& reading, const Eigen::Vector3d& sensed_load,
+                     const hand::HandCommand& command);
 
   /// From now on nothing that this fingertip says is believed.
   void distrust(int finger) { distrusted_[static_cast<std::size_t>(finger)] = true; }
@@ -44,7 +47,7 @@ class ReadingGate {
   [[nodiscard]] std::string wrong_size(const hand::HandReading& reading) const;
   [[nodiscard]] std::string impossible_value(const hand::HandReading& reading, Fault& fault) const;
   [[nodiscard]] std::string jump(const hand::HandReading& reading) const;
-  ReadingCheck check_repeats(const hand::HandReading& reading);
+  ReadingCheck check_repeats(const hand::HandReading& reading, const Eigen::Vector3d& sensed_load);
   ReadingCheck check_touch(hand::HandReading& reading);
   ReadingCheck check_load(const hand::HandReading& reading);
   [[nodiscard]] bool presses(const hand::HandReading& reading, int actuator) const;
@@ -53,10 +56,11 @@ class ReadingGate {
 
   hand::Description hand_;
   SafetyOptions options_;
-  std::optional<hand::HandReading> last_;  // that was usable
-  long tick_ = 0, last_tick_ = 0;          // of this reading, and of the last usable one
-  double lead_ = 0;                        // s of the ticks before the hand's clock
-  int bad_ = 0;                            // readings in a row that hold impossible values
+  std::optional<hand::HandReading> last_;                // that was usable
+  Eigen::Vector3d last_load_ = Eigen::Vector3d::Zero();  // that was sensed with it
+  long tick_ = 0, last_tick_ = 0;  // of this reading, and of the last usable one
+  double lead_ = 0;                // s of the ticks before the hand's clock
+  int bad_ = 0;                    // readings in a row that hold impossible values
   int same_joints_ = 0, same_torques_ = 0, same_load_ = 0;  // readings that repeat the one before
   int touchless_ = 0;  // readings in a row without a fingertip that can be believed
   hand::PerFinger<int> same_contacts_{};

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <condition_variable>
 #include <limits>
 #include <mutex>
@@ -110,6 +111,19 @@ INSTANTIATE_TEST_SUITE_P(Safety, EveryFault,
                          [](const auto& tested) {
                            return std::string(hand::to_string(tested.param.injected));
                          });
+
+/// The errors of the load are taken off by the mount's attitude, which is noisy: what is left of a
+/// frozen load never repeats.
+TEST(Safety, AFrozenLoadIsNoticedAfterItsErrorsAreKnown) {
+  for (const InjectedFault fault : {InjectedFault::load_zero, InjectedFault::load_frozen}) {
+    FaultyScene scene({.fault = fault, .from = kFrom}, [](HandReading& reading) {
+      reading.base.ypr.x() += 1e-3 * std::sin(1000 * reading.time);
+    });
+    scene.robot.set_load_error({{0.2, 0.1, -0.1}, 0.5});
+    EXPECT_EQ(to_string(scene.run().fault), to_string(Fault::frozen));
+    EXPECT_LE(scene.hand.last_advance, kFrom + kDetect + 1e-9);
+  }
+}
 
 class SurvivedFault : public testing::TestWithParam<InjectedFault> {};
 

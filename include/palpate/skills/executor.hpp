@@ -181,6 +181,7 @@ class Executor {
   estimation::EventLog log_;
   double table_height_ = 0;  ///< m, of the table in the world of the hand's commands
   LoadError load_error_;
+  Eigen::Vector3d sensed_load_ = Eigen::Vector3d::Zero();  ///< of the last step, with its errors
   std::optional<Grip> grip_;
   double deadline_;
   Safety safety_;
