@@ -200,6 +200,24 @@ TEST(ExplorePhase, ComesDownSlowlyWhereTheObjectMayBe) {
   EXPECT_EQ(2 * down, misses.size());
 }
 
+/// What is met where it was believed not to be is met no harder than by a guarded move.
+TEST(ExplorePhase, BesideTheObjectNoFasterThanAGuardedMove) {
+  Exploring exploring([](std::size_t) { return false; });
+  exploring.options.touches = exploring.options.max_touches = 1;
+  exploring.explore();
+  const auto& readings = exploring.robot.log().readings;
+  double way = 0, over = 0, beside = 0;  // m straight down in one go; m/s
+  for (std::size_t i = 1; i < readings.size(); ++i) {
+    const Eigen::Vector3d step = readings[i].base.xyz - readings[i - 1].base.xyz;
+    const bool down = step.head<2>().norm() < 1e-9 && step.z() < 0;
+    way = down ? way - step.z() : 0;
+    double& fastest = way > 0.02 ? beside : over;  // m by which the hand travels above the box
+    if (down) fastest = std::max(fastest, -step.z() / hand::kTick);
+  }
+  EXPECT_GT(over, 1.5 * exploring.options.speed);
+  EXPECT_NEAR(beside, exploring.options.speed, 0.1 * exploring.options.speed);
+}
+
 TEST(ExplorePhase, WhatTheFingertipMeetsOnTheWayDownIsATouch) {
   Exploring exploring([](std::size_t) { return true; });
   exploring.met = 0.02;

@@ -155,6 +155,26 @@ TEST(TouchTable, GoesDownUntilTheTableBearsAndUpAgain) {
   EXPECT_NEAR(hand.robot.reading().base.xyz.z(), stands - turns, 0.002) << "did not go up again";
 }
 
+/// As what has slipped in the hand does.
+TEST(TouchTable, WhatMeetsTheTableMuchTooEarlyIsNotPressedHard) {
+  TableTouch touch;
+  touch.turn = {0.3, 0, 0};
+  touch.sigma = 0.001;
+  const Lowering free(0.2);
+  const TableTouchChoice& choice = free.choice;
+  const double stands = choice.turned_base(touch).translation().z();
+  const double turned = stands - choice.height() + choice.travel_height();
+  Lowering hand(turned - 0.025);
+  touch.lowest = 0.05 - choice.travel_height();  // 25 mm lower than there
+  touch_table(hand.robot, hand.choice, touch, 1);
+  double most = 0;  // N
+  for (const auto& reading : hand.robot.log().readings) {
+    most = std::max(most, 2 - reading.base_force.z());
+  }
+  EXPECT_GT(most, 1.5) << "it has met the table";
+  EXPECT_LT(most, 15);
+}
+
 TEST(TouchTable, GivesUpWhereNoTableIs) {
   Lowering hand(-1);
   TableTouch touch;

@@ -12,6 +12,7 @@
 #include "skills/explore/extents.hpp"
 #include "skills/explore/guarded_moves.hpp"
 #include "skills/explore/pointing_finger.hpp"
+#include "skills/impact.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"
@@ -24,8 +25,6 @@ constexpr double kClearanceAbove = 0.02;  // m of the hand over the object while
 constexpr double kContactSeconds = 0.12;  // s of contact that are averaged
 constexpr double kBlockedLoad = 0.15;     // N more on the base: something but the fingertip touches
 constexpr int kBlockedMoves = 2;  // of a hand that sensed nothing, before its finger is changed
-constexpr double kImpact = 15;    // N on the base: something is met, and hard
-constexpr double kSettledAfter = 0.1;  // s of a motion in which the load is that of setting out
 constexpr double kMinInformation = 0.03;
 constexpr double kHigher = 0.006;     // m, of another try where the hand was blocked
 constexpr double kHighest = 0.018;    // m, of all of these together
@@ -33,6 +32,7 @@ constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more guar
 constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may leave
 constexpr double kBackOff = 0.015;    // m
 constexpr double kEarlier = 0.015;    // m before the expected touch, from where a move is slow
+constexpr double kOverTop = 0.005;    // m over the object, from where coming down is slower
 constexpr double kRunUp = 0.02;       // m of a guarded move before that, which is fast
 constexpr double kSettle = 0.08;      // s of standing still before a guarded move
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
@@ -41,18 +41,6 @@ constexpr double kMinTime = 180;        // s, of the whole phase
 Executor::StopCondition tip_touches(int finger, double force) {
   return [finger, detector = TouchDetector(force)](const hand::HandReading& reading) mutable {
     return detector.update(hand::tip_force(reading, finger));
-  };
-}
-
-/// The base has pushed along a direction (unit, world) with more than any motion at a guarded
-/// move's speed takes: sooner than a small load that rises can be distinguished from the motion's
-/// own.
-Executor::StopCondition impact(const Executor& robot, const Eigen::Vector3d& direction) {
-  return [direction, from = robot.time() + kSettledAfter,
-          loaded = 0](const hand::HandReading& reading) mutable {
-    const bool now = reading.time > from && direction.dot(reading.base_force) > kImpact;
-    loaded = now ? loaded + 1 : 0;
-    return loaded >= 2;
   };
 }
 
@@ -322,22 +310,26 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
   return end;
 }
 
-/// Fast as far as the object cannot be there, and from there on as a guarded move. One that meets
-/// nothing has missed; what is met where it cannot be is sensed all the same.
+/// Fast over the object, slower as far as it cannot be there, and from there on as a guarded move.
+/// One that meets nothing has missed; what is met where it cannot be is sensed all the same.
 ExplorePhase::GuardedMoveEnd ExplorePhase::come_down(Executor& robot, const PickState& state,
                                                      const localization::TurnedMove& descent) {
   const localization::GuardedMove& move = descent.guarded_move;
   const double length = move.from.z() - move.to.z();
   const double clear = std::clamp(clear_way(robot, state, descent), 0.0, length);
-  hand::BasePosition near = base_for_probe(robot, pointing(robot), yaw(descent.turn), move.from);
-  near.xyz.z() -= clear;
   bool touched = false;
-  const auto met = [&, tip = tip_touches(pointing(robot).finger, options_.touch_force),
-                    hit = impact(robot, -Eigen::Vector3d::UnitZ())](const auto& reading) mutable {
-    touched = tip(reading);
-    return hit(reading) || touched;
+  const auto stopped = [&](double down, double speed) {
+    const Eigen::Vector3d to = move.from - down * Eigen::Vector3d::UnitZ();
+    return robot.move_base(
+               base_for_probe(robot, pointing(robot), yaw(descent.turn), to), speed,
+               [&, tip = tip_touches(pointing(robot).finger, options_.touch_force),
+                hit = impact(robot, -Eigen::Vector3d::UnitZ())](const auto& reading) mutable {
+                 touched = tip(reading);
+                 return hit(reading) || touched;
+               }) == MotionEnd::stopped;
   };
-  if (robot.move_base(near, options_.travel_speed / 2, met) == MotionEnd::stopped) {
+  const double over = std::min(clear, kClearanceAbove - kOverTop);
+  if (stopped(over, options_.travel_speed / 2) || stopped(clear, options_.speed)) {
     robot.add_event(estimation::TouchEvent::guarded_move);
     return end_of(robot, descent, touched, MotionEnd::stopped);
   }
@@ -376,8 +368,8 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::end_of(Executor& robot,
                                                   const localization::TurnedMove& turned,
                                                   bool touched, MotionEnd motion) {
   if (motion == MotionEnd::timed_out) return GuardedMoveEnd::timed_out;  // it missed nothing
+  if (motion == MotionEnd::stopped) stop_here(robot, options_.travel_speed);
   if (touched) {
-    stop_here(robot, options_.travel_speed);
     robot.wait(kContactSeconds);
     done_.push_back(turned);
   }

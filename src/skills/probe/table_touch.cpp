@@ -26,11 +26,12 @@ constexpr double kTableTouchSeconds = 4;  // s that a touch takes
 constexpr double kSlowFrom = 0.006;       // m over the expected touch, and two of its sigmas
 constexpr double kGiveUp = 0.012;         // m below it, and two of its sigmas
 constexpr double kTurnedSpeed = 0.15;     // m/s
+constexpr double kDownSpeed = 0.1;        // m/s
 constexpr double kClearance = 0.02;       // m of the object over the table while it turns
 constexpr double kGuardedSpeed = 0.005;  // m/s: the stiff grip presses 2 N/mm, and turns the object
 constexpr double kBorne = 0.25;          // N that the table bears
 constexpr double kKnocked = 1.5;         // N by which a fast motion has met something
-constexpr double kSetOutSeconds = 0.3;   // s of a motion in which the load is that of setting out
+constexpr double kSetOutSeconds = 0.15;  // s of a motion in which the load is that of setting out
 
 double lowest_point(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object) {
   const Eigen::RowVector3f up = T_world_object.linear().row(2).cast<float>();
@@ -171,7 +172,7 @@ std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choic
     return robot.move_base(to, speed, load_below(load - borne, robot.time() + kSetOutSeconds)) ==
            MotionEnd::stopped;
   };
-  const bool met = stopped(over, kTurnedSpeed, kKnocked) || stopped(low, kGuardedSpeed, kBorne);
+  const bool met = stopped(over, kDownSpeed, kKnocked) || stopped(low, kGuardedSpeed, kBorne);
   std::optional<double> lowest;
   if (met) {
     robot.add_event(estimation::TouchEvent::table_touched);
