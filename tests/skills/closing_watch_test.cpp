@@ -9,7 +9,8 @@ namespace palpate::skills {
 namespace {
 
 const hand::Description kHand = hand::with_soft_actuators();
-const int kDrive = hand::closing_actuators(kHand, kHand.thumb).front();
+constexpr int kFinger = 2;
+const int kDrive = hand::closing_actuators(kHand, kFinger).front();
 const hand::ActuatorVector kContactTorque =
     hand::ActuatorVector::Constant(kHand.actuator_count(), 0.1);
 
@@ -18,38 +19,40 @@ hand::HandReading reading_of(double torque, bool sensed) {
   const bool closes_up = kHand.actuators[static_cast<std::size_t>(kDrive)].closing > 0;
   reading.torques[kDrive] = closes_up ? torque : -torque;
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  if (sensed) reading.contacts[static_cast<std::size_t>(kHand.thumb)] = {{0.01 * up, up, -up}};
+  if (sensed) reading.contacts[static_cast<std::size_t>(kFinger)] = {{0.01 * up, up, -up}};
   return reading;
 }
 
-/// Ticks until it is noticed that the thumb is held up; -1: it never is.
+/// Ticks until it is noticed that one finger is held up; -1: it never is.
 int ticks_until_noticed(double torque, double friction, bool sensed) {
-  UnsensedThumbContact thumb(kHand, kContactTorque);
+  UnsensedContacts unsensed(kHand, kContactTorque);
   const hand::ActuatorVector frictions = reading_of(friction, false).torques;
   for (int tick = 1; tick <= 50; ++tick) {
-    if (thumb.update(reading_of(torque, sensed), frictions)) return tick;
+    const auto fingers = unsensed.update(reading_of(torque, sensed), frictions);
+    if (fingers == std::vector{kFinger}) return tick;
+    EXPECT_TRUE(fingers.empty());
   }
   return -1;
 }
 
-TEST(UnsensedThumbContact, IsNoticedOnceItHasPressedForAWhile) {
+TEST(UnsensedContacts, IsNoticedOnceItHasPressedForAWhile) {
   EXPECT_EQ(ticks_until_noticed(0.08, 0, false), 10);
 }
 
-TEST(UnsensedThumbContact, FrictionIsNoPress) {
+TEST(UnsensedContacts, FrictionIsNoPress) {
   EXPECT_EQ(ticks_until_noticed(0.08, 0.05, false), -1);
   EXPECT_EQ(ticks_until_noticed(0.14, 0.05, false), 10);
 }
 
-TEST(UnsensedThumbContact, AThumbThatSensesIsNotInDoubt) {
+TEST(UnsensedContacts, AFingerThatSensesIsNotInDoubt) {
   EXPECT_EQ(ticks_until_noticed(0.2, 0, true), -1);
 }
 
-TEST(UnsensedThumbContact, TheDoubtEndsWithTheTorque) {
-  UnsensedThumbContact thumb(kHand, kContactTorque);
+TEST(UnsensedContacts, TheDoubtEndsWithTheTorque) {
+  UnsensedContacts unsensed(kHand, kContactTorque);
   const hand::ActuatorVector none = hand::ActuatorVector::Zero(kHand.actuator_count());
   for (int tick = 1; tick <= 100; ++tick) {
-    EXPECT_FALSE(thumb.update(reading_of(tick % 9 == 0 ? 0 : 0.2, false), none));
+    EXPECT_TRUE(unsensed.update(reading_of(tick % 9 == 0 ? 0 : 0.2, false), none).empty());
   }
 }
 
@@ -63,10 +66,13 @@ hand::HandReading touching(const hand::PerFinger<bool>& fingers) {
   return reading;
 }
 
-/// Fingers whose commands move on at every tick.
+/// Fingers whose commands move on at every tick; the others have been stopped.
 class ClosingFingers {
  public:
-  explicit ClosingFingers(const hand::PerFinger<bool>& closing) : done(kHand, closing) {
+  explicit ClosingFingers(const hand::PerFinger<bool>& closing) : done(kHand) {
+    for (int finger = 0; finger < kHand.finger_count(); ++finger) {
+      if (!closing[static_cast<std::size_t>(finger)]) done.stop(finger);
+    }
     command.positions = hand::ActuatorVector::Zero(kHand.actuator_count());
   }
 
@@ -132,14 +138,13 @@ TEST(FingersDone, FingersThatLoseTouchAgainAndAgainDoNotPressForLong) {
   EXPECT_LT(ticks, 400);
 }
 
-TEST(FingersDone, AFingerThatDoesNotCloseIsDone) {
-  hand::PerFinger<bool> closing{};
-  closing[1] = true;
-  const FingersDone done(kHand, closing);
-  EXPECT_TRUE(done.done(0));
-  EXPECT_FALSE(done.done(1));
-  EXPECT_FALSE(done.settled());
-  EXPECT_EQ(done.still_closing(), closing);
+TEST(FingersDone, AFingerThatIsStoppedPushesNothing) {
+  ClosingFingers fingers(kThumbAndFirst);
+  fingers.touch(kFirst, 3);
+  fingers.done.stop(0);
+  EXPECT_FALSE(fingers.done.still_closing()[0]);
+  fingers.touch(kFirst, 20);
+  EXPECT_TRUE(fingers.done.settled());
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ constexpr double kTipContact = 0.10;  // N at which a finger counts as touching
 constexpr int kLostTicks = 10;
 constexpr int kSettlingTicks = 300;  // in which fingers that lose touch again and again may press
 constexpr int kStillTicks = 12;
-constexpr double kHeldUp = 0.6;        // of the contact torque, of a thumb that is held up
+constexpr double kHeldUp = 0.6;        // of the contact torque, of a finger that is held up
 constexpr int kHeldUpTicks = 10;       // for which it is
 constexpr double kStillStep = 0.0003;  // rad a tick
 constexpr int kSetOutTicks =
@@ -41,12 +41,11 @@ hand::ActuatorVector ClosingFriction::limits(const hand::Description& hand,
   return limits;
 }
 
-FingersDone::FingersDone(const hand::Description& hand, const hand::PerFinger<bool>& closing)
+FingersDone::FingersDone(const hand::Description& hand)
     : detectors_(hand.fingers.size(), TouchDetector(kTipContact)) {
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
     const auto drives = hand::closing_actuators(hand, finger);
     drives_.push_back(drives.empty() ? -1 : drives.front());
-    stuck_[static_cast<std::size_t>(finger)] = !closing[static_cast<std::size_t>(finger)];
   }
 }
 
@@ -85,22 +84,26 @@ hand::PerFinger<bool> FingersDone::still_closing() const {
   return open;
 }
 
-UnsensedThumbContact::UnsensedThumbContact(const hand::Description& hand,
-                                           const hand::ActuatorVector& contact_torque)
-    : hand_(hand),
-      contact_torque_(contact_torque),
-      drives_(hand::closing_actuators(hand, hand.thumb)) {}
-
-bool UnsensedThumbContact::update(const hand::HandReading& reading,
-                                  const hand::ActuatorVector& friction) {
-  const bool presses = std::any_of(drives_.begin(), drives_.end(), [&](int i) {
+bool UnsensedContacts::presses(const hand::HandReading& reading,
+                               const hand::ActuatorVector& friction, int finger) const {
+  if (!reading.contacts[static_cast<std::size_t>(finger)].empty()) return false;
+  const auto drives = hand::closing_actuators(hand_, finger);
+  return std::any_of(drives.begin(), drives.end(), [&](int i) {
     const double torque = reading.torques[i] - friction[i];
     const bool closes_up = hand_.actuators[static_cast<std::size_t>(i)].closing > 0;
     return (closes_up ? torque : -torque) > kHeldUp * contact_torque_[i];
   });
-  const auto finger = static_cast<std::size_t>(hand_.thumb);
-  held_up_ = presses && reading.contacts[finger].empty() ? held_up_ + 1 : 0;
-  return held_up_ >= kHeldUpTicks;
+}
+
+std::vector<int> UnsensedContacts::update(const hand::HandReading& reading,
+                                          const hand::ActuatorVector& friction) {
+  std::vector<int> fingers;
+  for (int finger = 0; finger < hand_.finger_count(); ++finger) {
+    int& held_up = held_up_[static_cast<std::size_t>(finger)];
+    held_up = presses(reading, friction, finger) ? held_up + 1 : 0;
+    if (held_up >= kHeldUpTicks) fingers.push_back(finger);
+  }
+  return fingers;
 }
 
 }  // namespace palpate::skills

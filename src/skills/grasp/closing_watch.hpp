@@ -34,8 +34,7 @@ class ClosingFriction {
 /// lost touch meanwhile close on; before, they would push the object ahead of them.
 class FingersDone {
  public:
-  /// @param closing  the fingers that close; the others are done
-  FingersDone(const hand::Description& hand, const hand::PerFinger<bool>& closing);
+  explicit FingersDone(const hand::Description& hand);
 
   void update(const hand::HandReading& reading, const hand::HandCommand& command);
 
@@ -45,6 +44,8 @@ class FingersDone {
     return touches_[finger] || stuck_[finger] || (met_[finger] && !all_met_);
   }
   hand::PerFinger<bool> still_closing() const;
+  /// It closes no further, whatever it touches.
+  void stop(int finger) { stuck_[static_cast<std::size_t>(finger)] = true; }
   /// Whether all have been done for so long that none touches for a moment only, or have had the
   /// time for that.
   bool settled() const;
@@ -61,21 +62,24 @@ class FingersDone {
   hand::PerFinger<double> last_{};
 };
 
-/// Notices that the thumb presses on something that it does not sense. Fingers beside it may be
-/// replaced by their neighbours; a thumb pushes the object out of the hand.
-class UnsensedThumbContact {
+/// Notices which fingers press on something that they do not sense: they would push the object out
+/// of the hand.
+class UnsensedContacts {
  public:
   /// Keeps references.
-  UnsensedThumbContact(const hand::Description& hand, const hand::ActuatorVector& contact_torque);
+  UnsensedContacts(const hand::Description& hand, const hand::ActuatorVector& contact_torque)
+      : hand_(hand), contact_torque_(contact_torque) {}
 
-  /// @return whether it has for a while
-  bool update(const hand::HandReading& reading, const hand::ActuatorVector& friction);
+  /// @return the fingers that have for a while
+  std::vector<int> update(const hand::HandReading& reading, const hand::ActuatorVector& friction);
 
  private:
+  [[nodiscard]] bool presses(const hand::HandReading& reading, const hand::ActuatorVector& friction,
+                             int finger) const;
+
   const hand::Description& hand_;
   const hand::ActuatorVector& contact_torque_;
-  std::vector<int> drives_;
-  int held_up_ = 0;
+  hand::PerFinger<int> held_up_{};  // ticks
 };
 
 }  // namespace palpate::skills

@@ -56,6 +56,14 @@ hand::ActuatorVector relaxed(const Executor& robot, const hand::PerFinger<bool>&
   return positions;
 }
 
+/// Whether what holds up a finger that senses nothing may touch its tip all the same: it has sensed
+/// nothing since it began to close, and is not known to sense contact.
+/// @param on_pose  else it may meet the object beside its tip
+bool may_be_insensitive(const Executor& robot, const FingersDone& done, bool on_pose, int finger) {
+  if (!robot.trusted(finger)) return true;
+  return on_pose && !robot.cleared(finger) && !done.met()[static_cast<std::size_t>(finger)];
+}
+
 /// The first plan to which the mount can be brought, of those that avoid the others' yaws.
 std::optional<grasping::GraspPlan> reachable_plan(
     const Executor& robot, std::vector<double> avoided,
@@ -236,31 +244,13 @@ void GraspPhase::descend(Executor& robot, const PickState& state) const {
   robot.wait(0.15);
 }
 
-/// Fingers whose sensors are trusted close first. Those that do not then press the object against
-/// them; who loses touch meanwhile closes on.
+/// Each finger closes until it touches, or is held up by something that it does not sense.
 void GraspPhase::close(Executor& robot, const Closing& how) const {
-  hand::PerFinger<bool> sensing{};
-  bool any_insensitive = false;
-  for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
-    sensing[static_cast<std::size_t>(finger)] = robot.trusted(finger);
-    any_insensitive |= !robot.trusted(finger);
-  }
-  close(robot, how, sensing);
-  if (any_insensitive && !robot.suspected(robot.model().thumb)) {
-    close(robot, how, grasping::kAllFingers);
-  }
-  robot.wait(kTouchSeconds);
-}
-
-void GraspPhase::close(Executor& robot, const Closing& how,
-                       const hand::PerFinger<bool>& closing) const {
   const hand::Preshape& preshape = how.preshape;
   const grasping::ClosingLaw law(robot.model(), how.rate, preshape.closed);
-  FingersDone done(robot.model(), closing);
+  FingersDone done(robot.model());
   ClosingFriction friction(robot.model());
-  UnsensedThumbContact unsensed(robot.model(), preshape.contact_torque);
-  const int thumb = robot.model().thumb;
-  const bool doubtful = how.on_pose && robot.trusted(thumb) && !robot.cleared(thumb);
+  UnsensedContacts unsensed(robot.model(), preshape.contact_torque);
   hand::PerFinger<bool> just_met{};
   const double end = robot.time() + options_.longest_close;
   while (robot.time() < end && !done.settled()) {
@@ -272,13 +262,18 @@ void GraspPhase::close(Executor& robot, const Closing& how,
     const auto before = done.met();
     done.update(robot.reading(), robot.command());
     for (std::size_t i = 0; i < just_met.size(); ++i) just_met[i] = done.met()[i] && !before[i];
-    if (doubtful && friction.known() && unsensed.update(robot.reading(), friction.torques())) {
-      robot.suspect(thumb);
-      break;
+    if (!friction.known()) continue;
+    for (const int finger : unsensed.update(robot.reading(), friction.torques())) {
+      if (!may_be_insensitive(robot, done, how.on_pose, finger)) continue;
+      robot.suspect(finger);
+      done.stop(finger);
+      just_met[static_cast<std::size_t>(finger)] = true;
     }
+    if (robot.suspected(robot.model().thumb)) break;
   }
   robot.move_fingers(relaxed(robot, just_met, friction.torques()), hand::kTick);
   robot.set_grip(std::nullopt);
+  robot.wait(kTouchSeconds);
 }
 
 /// The forces that cancel best, together with the weight: the fingers bear it from the first, so

@@ -99,7 +99,7 @@ class GraspPhase : public Phase {
   struct Closing {
     const hand::Preshape& preshape;
     double rate;   ///< rad/s
-    bool on_pose;  ///< else the thumb may meet the object beside its fingertip, and sense nothing
+    bool on_pose;  ///< else fingers may meet the object beside their tips, and sense nothing
   };
   /// What the closed fingers sense, and the forces with which they are to press.
   struct Hold {
@@ -118,7 +118,6 @@ class GraspPhase : public Phase {
   void travel_to(Executor& robot, const hand::BasePosition& start, const hand::Preshape& preshape,
                  double clear_height) const;
   void close(Executor& robot, const Closing& how) const;
-  void close(Executor& robot, const Closing& how, const hand::PerFinger<bool>& closing) const;
   PhaseEnd held_up(const Executor& robot) const;
   Hold balance(const Executor& robot, const PickState& state) const;
   void press(Executor& robot, const Hold& hold) const;
