@@ -4,14 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <utility>
 
 #include "palpate/core/error.hpp"
 #include "palpate/hand/assembled_hand.hpp"
+#include "palpate/hand/nearest_base.hpp"
 #include "skills/command_gate.hpp"
 #include "skills/reading_gate.hpp"
 #include "skills/safe_posture.hpp"
@@ -27,8 +30,16 @@ constexpr int kLoadedTicks = 3;
 constexpr double kLeverArm = 0.2;  // m: what a turn of 1 rad counts as a way of the hand
 constexpr int kSteadyReadings = 10, kSteadyWindows = 10;  // that are averaged; at most
 constexpr double kSteadyLoad = 0.15;                      // N between two windows
-constexpr int kCheckedSteps = 100;                        // of a way that is asked about
-constexpr int kEasingTicks = 30;                          // in which a stopped hand gives way
+constexpr double kMaxDrift = 3;     // N that a sensor's error may have changed by; more is a load
+constexpr int kCheckedSteps = 100;  // of a way that is asked about
+constexpr int kEasingTicks = 30;    // in which a stopped hand gives way
+
+/// Whether an attitude is stated in other turns than the command's: arms give angles from -pi to
+/// pi.
+bool is_turned_round(const hand::BasePosition& read, const hand::BasePosition& command) {
+  return read.ypr.allFinite() &&
+         (read.ypr - command.ypr).cwiseAbs().maxCoeff() > std::numbers::pi / 2;
+}
 
 /// s that the way takes at a speed (m/s).
 double seconds_of(const hand::BasePosition& from, const hand::BasePosition& target, double speed) {
@@ -45,6 +56,20 @@ std::vector<hand::BasePosition> way_to(const hand::BasePosition& from,
     way.push_back(between(from, target, profile.share(i)));
   }
   return way;
+}
+
+/// Whether the fingers have closed on the object, and not let go of it since.
+bool holds_object(const estimation::EventLog& log) {
+  using estimation::TouchEvent;
+  bool holds = false;
+  for (const auto& [event, reading] : log.moments) {
+    if (estimation::is_grasp(event)) holds = true;
+    if (event == TouchEvent::released || event == TouchEvent::opened ||
+        event == TouchEvent::placed) {
+      holds = false;
+    }
+  }
+  return holds;
 }
 
 /// What a hand would read that stands where it is commanded and senses nothing.
@@ -117,14 +142,22 @@ Eigen::Vector3d Executor::steady_load() {
 }
 
 void Executor::tare() {
-  load_error_.bias += reading().base.pose().linear().transpose() * steady_load();
+  const Eigen::Vector3d load = steady_load();
+  if (time() >= deadline_ || load.norm() > kMaxDrift) return;
+  load_error_.bias += reading().base.pose().linear().transpose() * load;
 }
 
 /// One step of the hand, in the world whose z = 0 is the table.
 hand::HandReading Executor::step() {
   hand::HandCommand in_world = command_;
   in_world.base.xyz.z() += table_height_;
+  const auto begin = std::chrono::steady_clock::now();
+  pause_ = answered_ ? std::chrono::duration<double>(begin - *answered_).count() : 0;
   hand::HandReading reading = hand_.step(in_world);
+  answered_ = std::chrono::steady_clock::now();
+  if (is_turned_round(reading.base, in_world.base)) {
+    reading.base = hand::nearest_base(reading.base.pose(), in_world.base);
+  }
   reading.base.xyz.z() -= table_height_;
   sensed_load_ = reading.base_force;
   reading.base_force -= reading.base.pose().linear() * load_error_.bias;
@@ -179,7 +212,7 @@ bool Executor::read_once() {
   if (watchdog_ && watchdog_->fired()) {
     stop_for(Fault::silent, fmt::format("a step took longer than {} s", safety_.options.watchdog));
   }
-  const ReadingCheck check = readings_->check(reading, sensed_load_, command_);
+  const ReadingCheck check = readings_->check(reading, {sensed_load_, pause_}, command_);
   if (check.usable) keep(std::move(reading));
   if (check.fault != Fault::none) stop_for(check.fault, check.detail);
   return check.usable;
@@ -203,20 +236,33 @@ void Executor::make_safe(Fault fault, std::string detail) noexcept {
   if (fault_) return;
   fault_ = {fault, std::move(detail), log_.readings.empty() ? 0 : time()};
   grip_.reset();
+  for (int i = 0; i < kEasingTicks && !log_.readings.empty(); ++i) {
+    try {
+      ease();
+    } catch (...) {  // of the hand, or of who looks on: the next step may succeed
+    }
+  }
   try {
-    if (!log_.readings.empty()) ease();
     if (safety_.stop_drives) safety_.stop_drives();
-  } catch (...) {  // the hand is beyond reach; all has been tried
+  } catch (...) {  // all has been tried
   }
 }
 
-/// Goes on reading, so that the base gives way to where it is, not to where it was.
+/// One step more, with a reading, so that the base gives way to where it is, not to where it was.
+/// What the fingers hold they keep, unless too much force is the fault.
 void Executor::ease() {
-  for (int i = 0; i < kEasingTicks; ++i) {
-    command_ = eased(command_, reading(), model_, safety_.options);
-    hand::HandReading now = step();
-    if (readings_->check(now, sensed_load_, command_).usable) keep(std::move(now));
+  command_ = with_eased_base(command_, reading(), safety_.options);
+  const bool forceful = fault_.fault == Fault::excess_force ||
+                        fault_.fault == Fault::unsensed_load || fault_.fault == Fault::joint_stuck;
+  if (forceful || !holds_object(log_)) {
+    command_ = with_eased_fingers(command_, reading(), model_, safety_.options);
   }
+  hand::HandReading now;
+  {
+    const Watchdog::Guard guard(watchdog_.get());
+    now = step();
+  }
+  if (readings_->check(now, {sensed_load_, pause_}, command_).usable) keep(std::move(now));
 }
 
 void Executor::distrust(int finger, std::string detail) {

@@ -8,6 +8,7 @@
 
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/tip_forces.hpp"
+#include "skills/unsensed_force.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -15,6 +16,8 @@ namespace {
 constexpr double kClockDrift = 1e-3;    // of the hand's clock against the ticks, that is allowed
 constexpr double kStandsStill = 0.1;    // rad within which a joint counts as standing still
 constexpr double kMountStands = 0.002;  // m within which the mount counts as standing still
+constexpr double kSoft = 1.2;           // times the lead that gives the torque that is allowed
+constexpr double kOverRange = 2;        // times a fingertip's range, of forces that are believed
 constexpr double kSensedForce = 0.1;    // N at which a fingertip senses something
 
 bool finite(const hand::HandReading& reading) {
@@ -30,10 +33,30 @@ bool same(const std::vector<hand::TipContact>& a, const std::vector<hand::TipCon
 
 bool believable(const hand::TipContact& contact, double force_range) {
   return contact.p.allFinite() && contact.n.allFinite() && contact.f.allFinite() &&
-         contact.f.norm() <= force_range;
+         std::isfinite(contact.point_sigma) && std::isfinite(contact.normal_sigma) &&
+         contact.f.norm() <= kOverRange * force_range;
+}
+
+/// A fingertip that presses harder than its sensor can read touches all the more.
+void limit_force(hand::TipContact& contact, double force_range) {
+  const double force = contact.f.norm();
+  if (force > force_range) contact.f *= force_range / force;
 }
 
 }  // namespace
+
+ReadingGate::ReadingGate(const hand::Description& hand, const SafetyOptions& options)
+    : hand_(hand),
+      options_(options),
+      rest_positions_(hand::ActuatorVector::Zero(hand.actuator_count())),
+      allowed_errors_(rest_positions_),
+      astray_(hand.actuators.size()) {
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const hand::Actuator& actuator = hand.actuators[static_cast<std::size_t>(i)];
+    const double torque = unsensed_torque(actuator, options.unsensed_force);
+    allowed_errors_[i] = std::max(options.tracking_error, kSoft * torque / actuator.stiffness);
+  }
+}
 
 /// What of a reading is not finite, in words.
 std::string ReadingGate::not_finite(const hand::HandReading& reading) const {
@@ -71,26 +94,26 @@ std::string ReadingGate::wrong_size(const hand::HandReading& reading) const {
   return {};
 }
 
-ReadingCheck ReadingGate::check(hand::HandReading& reading, const Eigen::Vector3d& sensed_load,
+ReadingCheck ReadingGate::check(hand::HandReading& reading, const StepReport& step,
                                 const hand::HandCommand& command) {
   ++tick_;
-  for (const ReadingCheck& check : {check_time(reading.time), check_values(reading)}) {
-    if (!check.usable || check.fault != Fault::none) return check;
-  }
+  if (const ReadingCheck check = check_time(reading.time, step.pause); !check.usable) return check;
+  if (const ReadingCheck check = check_values(reading); !check.usable) return check;
   for (const ReadingCheck& check :
-       {check_repeats(reading, sensed_load), check_touch(reading), check_load(reading),
+       {check_repeats(reading, step.sensed_load), check_touch(reading), check_load(reading),
         check_tracking(reading, command), check_mount(reading, command)}) {
     if (check.fault != Fault::none) return check;
   }
   last_ = reading;
-  last_load_ = sensed_load;
+  last_load_ = step.sensed_load;
   last_tick_ = tick_;
   return {};
 }
 
 /// A clock that is not the hand's: its ticks. How far they lead the hand's clock at best is known
-/// from the readings so far, and may change slowly.
-ReadingCheck ReadingGate::check_time(double time) {
+/// from the readings so far, and may change slowly. A hand with a clock of its own goes on while
+/// none is asked of it.
+ReadingCheck ReadingGate::check_time(double time, double pause) {
   const double now = static_cast<double>(tick_) * hand::kTick;
   const bool first = !last_;
   const bool known = std::isfinite(time);
@@ -98,7 +121,7 @@ ReadingCheck ReadingGate::check_time(double time) {
   if (fresh) lead_ = first ? now - time : std::min(lead_ + kClockDrift * hand::kTick, now - time);
   const double age = known ? now - time - lead_ : 0;
   if (fresh && age <= options_.max_age) {
-    if (!first && time - last_->time > options_.max_gap + options_.max_age) {
+    if (!first && time - last_->time > options_.max_gap + options_.max_age + pause) {
       return {false, Fault::implausible_change,
               fmt::format("the hand's clock went from {} to {} s", last_->time, time)};
     }
@@ -194,6 +217,7 @@ ReadingCheck ReadingGate::check_touch(hand::HandReading& reading) {
     const bool ok =
         possible && same_contacts_[finger] < options_.max_repeats && !distrusted_[finger];
     if (!ok) contacts.clear();
+    for (hand::TipContact& contact : contacts) limit_force(contact, options_.tip_force_range);
     flicker_.filter(static_cast<int>(finger), contacts);
     usable += ok;
   }
@@ -224,7 +248,7 @@ ReadingCheck ReadingGate::check_tracking(const hand::HandReading& reading,
     const auto k = static_cast<std::size_t>(i);
     const double error = command.positions[i] - positions[i];
     const bool stands = std::abs(positions[i] - rest_positions_[i]) < kStandsStill;
-    if (!stands || presses(reading, i) || std::abs(error) < options_.tracking_error) {
+    if (!stands || presses(reading, i) || std::abs(error) < allowed_errors_[i]) {
       astray_[k] = 0;
       rest_positions_[i] = positions[i];
     } else if (hand::kTick * ++astray_[k] >= options_.tracking_time) {

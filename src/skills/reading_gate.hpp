@@ -18,20 +18,22 @@ struct ReadingCheck {
   std::string detail;         ///< of the fault
 };
 
+/// What is known of a hand's step beside its reading.
+struct StepReport {
+  /// N of the mount, as its sensor gave it: in the reading it is corrected by an attitude that is
+  /// not the same in any two of them.
+  Eigen::Vector3d sensed_load = Eigen::Vector3d::Zero();
+  double pause = 0;  ///< s before the step in which none was made
+};
+
 /// Watches what a hand reads, one reading a tick. Its clock is the number of ticks.
 class ReadingGate {
  public:
-  ReadingGate(const hand::Description& hand, const SafetyOptions& options)
-      : hand_(hand),
-        options_(options),
-        rest_positions_(hand::ActuatorVector::Zero(hand.actuator_count())),
-        astray_(hand.actuators.size()) {}
+  ReadingGate(const hand::Description& hand, const SafetyOptions& options);
 
   /// Takes the contacts of fingertips that cannot be believed out of the reading.
-  /// @param sensed_load  of the mount, as its sensor gave it: in the reading it is corrected by an
-  ///   attitude that is not the same in any two of them
   /// @param command  that was given for the tick
-  ReadingCheck check(hand::HandReading& reading, const Eigen::Vector3d& sensed_load,
+  ReadingCheck check(hand::HandReading& reading, const StepReport& step,
                      const hand::HandCommand& command);
 
   /// From now on nothing that this fingertip says is believed.
@@ -41,7 +43,7 @@ class ReadingGate {
   }
 
  private:
-  ReadingCheck check_time(double time);
+  ReadingCheck check_time(double time, double pause);
   ReadingCheck check_values(const hand::HandReading& reading);
   [[nodiscard]] std::string not_finite(const hand::HandReading& reading) const;
   [[nodiscard]] std::string wrong_size(const hand::HandReading& reading) const;
@@ -68,7 +70,9 @@ class ReadingGate {
   hand::PerFinger<bool> distrusted_{};
   FlickerFilter flicker_;
   hand::ActuatorVector rest_positions_;  // where a joint has stood
-  std::vector<int> astray_;              // ticks for which it has, off its command
+  hand::ActuatorVector
+      allowed_errors_;       // rad: soft actuators lag behind with the force they may use
+  std::vector<int> astray_;  // ticks for which it has, off its command
   Eigen::Vector3d mount_rest_ = Eigen::Vector3d::Zero();
   int mount_astray_ = 0;
 };

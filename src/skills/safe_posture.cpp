@@ -18,12 +18,19 @@ Eigen::Vector3d towards(const Eigen::Vector3d& from, const Eigen::Vector3d& to, 
 
 }  // namespace
 
-hand::HandCommand eased(const hand::HandCommand& command, const hand::HandReading& reading,
-                        const hand::Description& hand, const SafetyOptions& options) {
+hand::HandCommand with_eased_base(const hand::HandCommand& command,
+                                  const hand::HandReading& reading, const SafetyOptions& options) {
   hand::HandCommand next = command;
   const double step = options.release_speed * hand::kTick;
   next.base.xyz = towards(command.base.xyz, reading.base.xyz, step);
   next.base.ypr = towards(command.base.ypr, reading.base.ypr, step / kTurnLever);
+  return next;
+}
+
+hand::HandCommand with_eased_fingers(const hand::HandCommand& command,
+                                     const hand::HandReading& reading,
+                                     const hand::Description& hand, const SafetyOptions& options) {
+  hand::HandCommand next = command;
   const hand::ActuatorVector positions = hand::actuator_positions(hand, reading.joints);
   for (int i = 0; i < hand.actuator_count(); ++i) {
     const auto& actuator = hand.actuators[static_cast<std::size_t>(i)];

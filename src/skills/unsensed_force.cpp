@@ -8,16 +8,20 @@ namespace palpate::skills {
 namespace {
 
 constexpr double kMisread = 0.1;  // of the largest torque: friction and error of what is read
+constexpr double kNear = 0.9;     // of the limit, from where the command follows slowly
 constexpr int kApart = 10;   // readings without a contact, after which a fingertip senses nothing
 constexpr int kHeldUp = 10;  // ticks in a row, of a finger that is limited
 
 }  // namespace
 
+double unsensed_torque(const hand::Actuator& actuator, double max_force) {
+  return max_force * actuator.lever + kMisread * actuator.max_torque;
+}
+
 UnsensedForce::UnsensedForce(const hand::Description& hand, double max_force)
     : hand_(hand), max_torques_(hand::ActuatorVector::Zero(hand.actuator_count())) {
   for (int i = 0; i < hand.actuator_count(); ++i) {
-    const hand::Actuator& actuator = hand.actuators[static_cast<std::size_t>(i)];
-    max_torques_[i] = max_force * actuator.lever + kMisread * actuator.max_torque;
+    max_torques_[i] = unsensed_torque(hand.actuators[static_cast<std::size_t>(i)], max_force);
   }
 }
 
@@ -40,19 +44,21 @@ std::vector<int> UnsensedForce::limit(hand::HandCommand& command, const hand::Ha
   return held_up;
 }
 
-/// The lead of the command on the joint is taken from the torque, as when closing.
-/// @return whether the actuator presses with more than it may
+/// The lead of the command on the joint is taken from the torque, as when closing. Near the limit
+/// it may grow by no more than is left: a command that is wanted again and again stays limited.
+/// @return whether the actuator is kept from pressing with more than it may
 bool UnsensedForce::limit(int actuator, hand::HandCommand& command, const hand::HandCommand& last,
                           const hand::HandReading& reading) const {
   const double torque = reading.torques[actuator];
   const double max_torque = max_torques_[actuator];
-  if (std::abs(torque) <= max_torque) return false;
+  if (std::abs(torque) <= kNear * max_torque) return false;
   const double stiffness = hand_.actuators[static_cast<std::size_t>(actuator)].stiffness;
-  const double back = (std::abs(torque) - max_torque) / stiffness;
+  const double room = (max_torque - std::abs(torque)) / stiffness;
   double& position = command.positions[actuator];
-  const double most = last.positions[actuator] - std::copysign(back, torque);
+  const double most = last.positions[actuator] + (torque > 0 ? room : -room);
+  const double wanted = position;
   position = torque > 0 ? std::min(position, most) : std::max(position, most);
-  return true;
+  return position != wanted || std::abs(torque) > max_torque;
 }
 
 }  // namespace palpate::skills

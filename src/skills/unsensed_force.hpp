@@ -7,6 +7,10 @@
 
 namespace palpate::skills {
 
+/// N m that an actuator may press with where its fingertip senses nothing.
+/// @param max_force  N at the fingertip
+double unsensed_torque(const hand::Actuator& actuator, double max_force);
+
 /// Ends the motion of fingers that something holds up and that sense nothing of it: what their
 /// actuators press with is limited, whatever they are commanded. Fingers that sense contact are
 /// left alone; they stop by what they sense.

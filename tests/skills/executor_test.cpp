@@ -117,6 +117,33 @@ TEST(Executor, BaseAndFingersArriveTogether) {
   }
 }
 
+/// As arms do, whose drivers give angles from -pi to pi.
+TEST(Executor, AttitudesMayBeReadInOtherTurns) {
+  hand::FakeHand hand([](hand::HandReading& reading) {
+    reading.base = hand::BasePosition::at(reading.base.pose());
+  });
+  Executor robot(hand, hand::shadow_hand(), hand::resting_command());
+  hand::BasePosition turned = robot.command().base;
+  turned.ypr.x() = 4.2;
+  EXPECT_EQ(robot.move_base(turned, 0.4), MotionEnd::reached);
+  EXPECT_NEAR(robot.reading().base.ypr.x(), 4.2, 1e-9);
+  robot.make_safe(Fault::stop_requested, "");
+  EXPECT_NEAR(robot.command().base.ypr.x(), 4.2, 1e-9) << "the safe state turned the hand";
+}
+
+TEST(Executor, WhatPressesOnTheHandIsNotTakenForDrift) {
+  double load = 1;
+  hand::FakeHand hand([&](hand::HandReading& reading) { reading.base_force.z() = load; });
+  Executor robot(hand, hand::shadow_hand(), hand::resting_command());
+  robot.tare();
+  robot.wait(0.05);
+  EXPECT_NEAR(robot.reading().base_force.z(), 0, 1e-6);
+  load = 20;
+  robot.tare();
+  robot.wait(0.05);
+  EXPECT_NEAR(robot.reading().base_force.z(), 19, 1e-6);
+}
+
 TEST(Executor, APostureOfAnotherHandIsAFault) {
   Scene scene;
   const hand::HandCommand target{hand::ActuatorVector::Zero(3), at({0.1, 0, 0})};

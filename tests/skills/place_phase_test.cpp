@@ -128,6 +128,18 @@ TEST(PlacePhase, AnEarlyContactIsARefusal) {
   EXPECT_FALSE(descent.robot.log().at(estimation::TouchEvent::placed));
 }
 
+/// What has slipped in the hand meets the table on the fast way down.
+TEST(PlacePhase, WhatMeetsTheTableMuchTooEarlyIsNeitherPressedNorLost) {
+  for (const double early : {0.016, 0.02, 0.034}) {
+    Descent descent([early](auto& reading) { stand(reading, kGround + early); }, 0);
+    descent.run();
+    EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::early) << early;
+    for (const auto& reading : descent.robot.log().readings) {
+      EXPECT_GT(reading.base_force.z(), -5) << early << " m early";
+    }
+  }
+}
+
 TEST(PlacePhase, NothingSensedIsNoReasonToRelease) {
   Descent descent([](auto& reading) { stand(reading, 0); }, 0);
   const auto report = descent.run();

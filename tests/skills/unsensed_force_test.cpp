@@ -58,6 +58,23 @@ TEST(UnsensedForce, ItIsReportedOnceItHasLasted) {
   EXPECT_EQ(first, 18);  // ten readings without a contact, then ten ticks
 }
 
+/// A skill wants the same posture at every tick, and the torque follows from what is commanded.
+TEST(UnsensedForce, AJammedJointIsReportedThoughTheLimitKeepsItsTorqueLow) {
+  UnsensedForce unsensed(kHand, kForce);
+  const double stiffness = kHand.actuators[static_cast<std::size_t>(kKnuckle)].stiffness;
+  hand::HandCommand last = command_at(0);
+  double torque = 0;
+  bool reported = false;
+  for (int tick = 0; tick < 100; ++tick) {
+    torque = stiffness * last.positions[kKnuckle];  // it stands at 0
+    hand::HandCommand command = command_at(last.positions[kKnuckle] + 0.02);
+    reported |= !unsensed.limit(command, last, reading_of(torque, false)).empty();
+    last = command;
+  }
+  EXPECT_TRUE(reported);
+  EXPECT_NEAR(torque, most(), 0.01 * most());
+}
+
 TEST(UnsensedForce, AFingerThatSensesIsLeftAlone) {
   UnsensedForce unsensed(kHand, kForce);
   for (int tick = 0; tick < 40; ++tick) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -182,6 +183,8 @@ class Executor {
   double table_height_ = 0;  ///< m, of the table in the world of the hand's commands
   LoadError load_error_;
   Eigen::Vector3d sensed_load_ = Eigen::Vector3d::Zero();  ///< of the last step, with its errors
+  std::optional<std::chrono::steady_clock::time_point> answered_;  ///< the last step
+  double pause_ = 0;  ///< s before the last step in which none was made: a skill was thinking
   std::optional<Grip> grip_;
   double deadline_;
   Safety safety_;

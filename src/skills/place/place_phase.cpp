@@ -17,6 +17,9 @@ namespace {
 constexpr double kSettleSeconds = 0.25;  // s
 constexpr double kSettle = 0.75;      // s, for the load's mean to hold nothing of the motion before
 constexpr double kSettingOut = 0.3;   // s
+constexpr double kSetOut = 0.15;      // s of a faster motion, in which less is noticed
+constexpr double kKnocked = 1.5;      // N by which it has met something
+constexpr int kHolding = 2;           // fingers that touch what has not been lost
 constexpr double kTries = 6;          // places on a turn of the spiral
 constexpr double kEarlyOfWall = 0.5;  // of a wall's height: that high, the object stands on it
 constexpr double kWider = 0.25;       // rad by which the fingers open further
@@ -85,6 +88,23 @@ PhaseEnd PlacePhase::run(Executor& robot, PickState&) {
                             attempt > 0 ? fmt::format(", try {}", attempt + 1) : "")};
 }
 
+/// Slowly, until the table bears the object. @return how that has failed, if it has
+std::optional<PlacePhase::Touchdown> PlacePhase::descend(Executor& robot,
+                                                         const hand::BasePosition& at_goal) const {
+  hand::BasePosition start = at_goal;
+  start.xyz.z() = robot.command().base.xyz.z();
+  robot.move_base(start, options_.slow_speed);
+  robot.wait(kSettle);
+  const double load = estimation::mean_load(robot.log());
+  const bool held = hand::touching_fingers(robot.reading()) >= kHolding;
+  if (load < options_.contact_load && !held) return Touchdown::lost;
+
+  const hand::BasePosition low = moved(at_goal, {0, 0, -options_.beyond});
+  const auto borne = load_below(load - options_.contact_load, robot.time() + kSettingOut);
+  const bool met = robot.move_base(low, options_.slow_speed, borne) == MotionEnd::stopped;
+  return met ? std::nullopt : std::optional(Touchdown::nothing);
+}
+
 /// Goes down from over the goal until the table bears the object and a little more.
 PlacePhase::Touchdown PlacePhase::lower(Executor& robot, const Eigen::Vector3d& aside) {
   const hand::BasePosition measured = estimation::mean_base(robot.log());
@@ -92,18 +112,14 @@ PlacePhase::Touchdown PlacePhase::lower(Executor& robot, const Eigen::Vector3d& 
   hand::BasePosition at_goal = moved(goal_.base, aside + command.xyz - measured.xyz);
   at_goal.ypr += command.ypr - measured.ypr;
   const hand::BasePosition over = moved(at_goal, {0, 0, std::max(options_.near, 1.5 * wall_)});
-  if (command.xyz.z() > over.xyz.z()) robot.move_base(over, options_.speed);
-  hand::BasePosition start = at_goal;
-  start.xyz.z() = robot.command().base.xyz.z();
-  robot.move_base(start, options_.slow_speed);
-  robot.wait(kSettle);
-  const double load = estimation::mean_load(robot.log());
-  if (load < options_.contact_load) return Touchdown::lost;
-
-  const hand::BasePosition low = moved(at_goal, {0, 0, -options_.beyond});
-  const auto borne = load_below(load - options_.contact_load, robot.time() + kSettingOut);
-  if (robot.move_base(low, options_.slow_speed, borne) != MotionEnd::stopped) {
-    return Touchdown::nothing;
+  robot.wait(kSettleSeconds);
+  const double hangs = estimation::mean_load(robot.log());
+  const bool knocked =
+      command.xyz.z() > over.xyz.z() &&
+      robot.move_base(over, options_.speed, load_below(hangs - kKnocked, robot.time() + kSetOut)) ==
+          MotionEnd::stopped;
+  if (!knocked) {
+    if (const auto end = descend(robot, at_goal)) return *end;
   }
   contact_ = robot.command().base;
   height_error_ = robot.reading().base.xyz.z() - goal_.base.xyz.z();

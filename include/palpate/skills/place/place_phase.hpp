@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "palpate/skills/phase.hpp"
@@ -88,6 +89,7 @@ class PlacePhase : public Phase {
 
  private:
   Touchdown lower(Executor& robot, const Eigen::Vector3d& aside);
+  std::optional<Touchdown> descend(Executor& robot, const hand::BasePosition& at_goal) const;
 
   LowerOptions options_;
   PlaceGoal goal_;
