@@ -83,6 +83,7 @@ TEST(Faults, AnInsensitiveThumbCrushesNothingAndIsNamed) {
   TrialOptions options = options_with(InjectedFault::finger_silent, 80);
   options.fault.finger = 0;
   const Trial trial = run_trial(box(), options, 945);
+  EXPECT_TRUE(trial.metrics.lifted);
   EXPECT_LT(trial.metrics.peak_tip_force, kCrushingForce);
   EXPECT_LT(trial.metrics.peak_load, kMaxLoad);
   EXPECT_FALSE(trial.result.fault) << trial.result.fault.detail;
@@ -101,6 +102,16 @@ TEST(Faults, FalseContactsAreNotBelievedAndTheObjectIsPicked) {
     lifted += trial.metrics.lifted;
   }
   EXPECT_GE(lifted, 2);
+}
+
+/// It pushes the object out of the hand no more.
+TEST(Faults, APickGoesOnWithARingFingerThatSensesNothing) {
+  TrialOptions options = options_with(InjectedFault::finger_silent, 20);
+  options.fault.finger = 3;
+  const Trial trial = run_trial(box(), options, 702);
+  EXPECT_FALSE(trial.result.fault) << trial.result.fault.detail;
+  EXPECT_TRUE(trial.metrics.lifted);
+  EXPECT_EQ(trial.result.attempts, 1);
 }
 
 TEST(Faults, NominalPickNeedsNoLimit) {
