@@ -85,6 +85,14 @@ std::string hint_for(const geometry::ObjectModel& model, lo::Evidence evidence, 
     return "no pose explains these contacts, but with all normals reversed one does; they must "
            "point out of the object";
   }
+  if (!evidence.free_space.empty()) {
+    lo::Evidence without = evidence;
+    without.free_space.clear();
+    if (one_explains(without)) {
+      return "no pose explains these contacts beside the free space, but without --free one does; "
+             "its centers and radii must be in m, in the contacts' frame";
+    }
+  }
   if (!evidence.table) {
     return "no pose explains these contacts: another object, more noise than stated, or a mesh "
            "less "
@@ -306,7 +314,7 @@ void add_localize(CLI::App& program, Command& chosen) {
       .add_option("--point-noise", arguments->point_noise,
                   "standard deviation of contact points per axis, m")
       ->option_text("M")
-      ->check(in_range(1e-5, 0.1))
+      ->check(in_range(1e-5, lo::kMaxPointSigma))
       ->capture_default_str();
   command
       .add_option("--normal-noise-deg", arguments->normal_noise_deg,

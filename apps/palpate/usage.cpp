@@ -165,6 +165,9 @@ std::string likely_option(const CLI::App* command, const std::string& argument) 
 std::string unexpected(const CLI::App* command, const std::string& argument) {
   const std::string name = command_path(command);
   if (argument.starts_with("-")) {
+    if (command->get_option_no_throw(argument)) {
+      return fmt::format("{} stands before the command; it goes after {}", argument, name);
+    }
     const std::string which =
         command->get_parent() ? name + " has no option " : std::string("there is no option ");
     return which + argument + likely_option(command, argument);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "grasping/preshape_search.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
@@ -212,7 +213,10 @@ std::vector<hand::PointingHand> find_all_pointing(const hand::Description& hand)
     return std::min(a.margin, kGoodMargin) > std::min(b.margin, kGoodMargin);
   });
   std::vector<hand::PointingHand> pointing;
-  for (const Pointing& one : found) pointing.push_back(one.hand);
+  for (const Pointing& one : found) {
+    if (std::isfinite(one.margin)) pointing.push_back(one.hand);
+  }
+  if (pointing.empty()) throw BadInput("no finger of the hand can point without meeting another");
   return pointing;
 }
 

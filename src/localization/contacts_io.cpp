@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -81,12 +83,15 @@ Eigen::Vector3d normal_of(const CsvTable& row, const CsvTable::Columns& columns)
 }
 
 /// The cell's standard deviation; `otherwise` where there is no column or the cell is empty.
-double sigma_of(const CsvTable& row, std::optional<std::size_t> column, double otherwise) {
+/// @param unit  of the column
+/// @param most  that the model of contacts can represent
+double sigma_of(const CsvTable& row, std::optional<std::size_t> column, double otherwise,
+                std::string_view unit, double most) {
   if (!column || row.cell(*column).empty()) return otherwise;
   const double sigma = row.finite(*column);
-  if (!(sigma > 0)) {
-    throw BadInput(
-        fmt::format("{}: {} is {}, not positive", row.where(), row.names()[*column], sigma));
+  if (!(sigma > 0 && sigma <= most)) {
+    throw BadInput(fmt::format("{}: {} is {} {}, not more than 0 and at most {:.3g}", row.where(),
+                               row.names()[*column], sigma, unit, most));
   }
   return sigma;
 }
@@ -123,8 +128,9 @@ tactile::Contact contact_of(const CsvTable& row, const ContactColumns& columns,
   contact.finger = columns.finger ? finger_of(row.cell(*columns.finger)) : -1;
   contact.f = columns.force ? row.finite(*columns.force) : Eigen::Vector3d::Zero();
   check_plausible(contact.f, kMaxForce, row.where() + ": a force");
-  contact.point_sigma = sigma_of(row, columns.point_sigma, noise.point);
-  contact.normal_sigma = sigma_of(row, columns.normal_sigma, noise.normal);
+  contact.point_sigma = sigma_of(row, columns.point_sigma, noise.point, "m", kMaxPointSigma);
+  contact.normal_sigma =
+      sigma_of(row, columns.normal_sigma, noise.normal, "rad", std::numbers::pi / 2);
   contact.group = group_of(row, columns.group);
   return contact;
 }
@@ -178,7 +184,7 @@ std::vector<PlaneContact> read_plane_contacts(const std::filesystem::path& path)
   while (row.next()) {
     PlaneContact plane{unit_normal_of(row, normal), row.finite(height)};
     plausible(plane.height, -kMaxLength, kMaxLength, row.where() + ": a height in m");
-    plane.sigma = sigma_of(row, sigma, plane.sigma);
+    plane.sigma = sigma_of(row, sigma, plane.sigma, "m", kMaxLength);
     planes.push_back(plane);
   }
   return planes;

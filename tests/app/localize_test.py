@@ -330,7 +330,8 @@ class Localize(CliTest):
 
     def test_usage(self):
         self.write("contacts.csv", csv(contacts_on_box(3)))
-        for wrong in (["--method", "slow"], ["--point-noise", "0"], ["--normal-noise-deg", "-1"]):
+        self.assert_refused(USAGE, ["--json", "localize", "box.stl", "contacts.csv"], "goes after palpate localize")
+        for wrong in (["--method", "slow"], ["--point-noise", "0"], ["--point-noise", "0.1"], ["--normal-noise-deg", "-1"]):
             self.assert_refused(USAGE, ["localize", "box.stl", "contacts.csv", *wrong], wrong[1])
         for option in (["--set", "x.y=1"], ["--config", "x"], ["--method", "full"], ["--table", "0"]):
             self.assert_refused(USAGE, ["localize", "--demo", *option], option[0])

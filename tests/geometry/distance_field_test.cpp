@@ -77,6 +77,22 @@ TEST(DistanceField, OutsideTheGridIsBeyond) {
   EXPECT_NEAR(field.distance({0, 0, 0.0499F}), 0.0199F, 1e-6);
 }
 
+TEST(DistanceField, OutsideTheGridTheDistanceIsKnownNearly) {
+  const MeshQuery mesh(box_mesh(0.06, 0.06, 0.06));
+  const DistanceField field(mesh, 0.004, 0.02);
+  for (const Eigen::Vector3f& p :
+       {Eigen::Vector3f(0, 0, 0.2F), Eigen::Vector3f(0.15F, -0.15F, 0.15F),
+        Eigen::Vector3f(0.2F, 0.04F, 0), Eigen::Vector3f(-0.1F, 0.07F, 0.02F)}) {
+    const auto sample = field.anywhere(p);
+    const Eigen::Vector3f out = (p.cwiseAbs().array() - 0.03F).max(0);
+    EXPECT_GT(sample.distance, out.norm() - 1e-5F);
+    EXPECT_LT(sample.distance, out.norm() + 0.003F);
+    const float further = field.anywhere(p + 1e-3F * sample.gradient.normalized()).distance;
+    EXPECT_NEAR(further - sample.distance, 1e-3F * sample.gradient.norm(), 2e-5F);
+  }
+  EXPECT_EQ(field.anywhere({0, 0, 0.04F}).distance, field.at({0, 0, 0.04F})->distance);
+}
+
 TEST(DistanceField, FromTheCacheItIsTheSame) {
   const std::string folder = ::testing::TempDir() + "distance_field_cache";
   std::filesystem::remove_all(folder);

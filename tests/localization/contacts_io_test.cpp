@@ -137,6 +137,13 @@ std::string refusal_of_planes(const std::string& text) {
   return "";
 }
 
+/// As millimetres and degrees are.
+TEST(ParseContacts, SigmasThatNoModelOfContactsRepresentsAreRefused) {
+  for (const std::string row : {"point_sigma\n0,0,0,1\n", "normal_sigma\n0,0,0,10\n"}) {
+    EXPECT_THROW((void)parse_contacts("x,y,z," + row, "contacts.csv"), BadInput) << row;
+  }
+}
+
 TEST(ReadPlaneContacts, ReadsPlanes) {
   const auto read = planes("height,sigma,nx,ny,nz\n0.1,,0,0,1\n-0.2,0.003,1,0,0\n");
   ASSERT_EQ(read.size(), 2U);

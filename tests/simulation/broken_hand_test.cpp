@@ -107,6 +107,18 @@ INSTANTIATE_TEST_SUITE_P(
                     "</worldbody><equality><connect body1=\"index_tip\" body2=\"ring_tip\" "
                     "anchor=\"0 0 0\"/></equality>"),
                "index_tip and ring_tip are tied in a closed loop"},
+        Broken{"CurvedEquality", "curved.xml",
+               mjcf("</worldbody>",
+                    "</worldbody><equality><joint joint1=\"index_2\" joint2=\"index_1\" "
+                    "polycoef=\"0 0 0.6 0 0\"/></equality>"),
+               "the equality of joint index_2 is no linear one"},
+        Broken{"TwoLeaders", "leaders.xml",
+               mjcf("</worldbody>",
+                    "</worldbody><equality><joint joint1=\"index_2\" joint2=\"index_1\"/>"
+                    "<joint joint1=\"index_2\" joint2=\"ring_1\"/></equality>"),
+               "joint index_2 follows two others"},
+        Broken{"Degrees", "degrees.xml", mjcf("range=\"0 1.4\"", "range=\"0 80\""),
+               "joint index_2 has the limits 0 .. 80 rad; are these degrees?"},
         Broken{"NothingCollides", "ghost.xml", without_geoms(), "no finger found"},
         Broken{"MimicCircle", "circle.urdf",
                urdf("<limit lower=\"0\"", "<mimic joint=\"finger_2\"/><limit lower=\"0\""),

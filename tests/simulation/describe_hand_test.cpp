@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -199,6 +200,62 @@ TEST(DescribeHand, SaysThatAJointHasNoLimits) {
   ASSERT_EQ(result.problems.size(), 1u);
   EXPECT_EQ(result.problems[0].what, "joint index_2 has no limits");
   EXPECT_NEAR(result.hand.joints[1].range.high, std::numbers::pi / 2, 1e-3);
+}
+
+TEST(DescribeHand, SaysThatLimitsAreReversed) {
+  const auto text = replaced(kHandMjcf, " range=\"0 1.4\"", " range=\"1.4 0\" limited=\"false\"");
+  const auto result = describe_hand(write_hand("reversed.xml", text));
+  ASSERT_EQ(result.problems.size(), 1u);
+  EXPECT_EQ(result.problems[0].what, "the limits of joint index_2 are reversed");
+}
+
+TEST(DescribeHand, SaysThatRadiansMayBeDegrees) {
+  const auto text = replaced(kHandMjcf, "range=\"0 1.4\"", "range=\"0 0.03\"");
+  const auto result = describe_hand(write_hand("few_degrees.xml", text));
+  ASSERT_EQ(result.problems.size(), 1u);
+  EXPECT_NE(result.problems[0].hint.find("degrees"), std::string::npos);
+}
+
+/// The file draws the joint bent: at this angle its bodies are as they stand there.
+TEST(DescribeHand, AJointMayBeDrawnBent) {
+  const auto plain = described("plain.xml", kHandMjcf);
+  const auto drawn_bent =
+      described("ref.xml", replaced(kHandMjcf, "range=\"0 1.4\"", "range=\"0 1.4\" ref=\"0.5\""));
+  hand::ActuatorVector command = hand::ActuatorVector::Zero(plain.actuator_count());
+  const auto tip = [&](const hand::Description& hand) {
+    const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, command));
+    return Eigen::Vector3d(T[static_cast<std::size_t>(hand.palm)].inverse() *
+                           T[static_cast<std::size_t>(hand.fingers[0].link)] *
+                           hand.fingers[0].tip.b);
+  };
+  const Eigen::Vector3d straight = tip(plain);
+  command[plain.actuator("index_2")] = 0.5;
+  EXPECT_NEAR((tip(drawn_bent) - straight).norm(), 0, 1e-9);
+  EXPECT_GT((tip(plain) - straight).norm(), 0.01);
+}
+
+TEST(DescribeHand, WhatCollidesOneWayOnlyBelongsToTheHand) {
+  std::string text = kHandMjcf;
+  for (auto at = text.find("<geom"); at != std::string::npos; at = text.find("<geom", at + 1)) {
+    text.insert(at + 5, " contype=\"0\" conaffinity=\"1\"");
+  }
+  EXPECT_EQ(described("one_way.xml", text).spheres.size(),
+            described("plain.xml", kHandMjcf).spheres.size());
+}
+
+TEST(DescribeHand, ThinFingertipsHaveASurface) {
+  const auto text = replaced(kHandMjcf, "size=\"0.008\"", "size=\"0.0028\"");
+  const auto hand = described("thin.xml", text);
+  const int link = hand.fingers[0].link;
+  EXPECT_TRUE(
+      std::ranges::any_of(hand.spheres, [&](const auto& ball) { return ball.link == link; }));
+}
+
+TEST(DescribeHand, AnEqualityThatIsNotActiveTiesNothing) {
+  const auto text = replaced(kHandMjcf, "</worldbody>",
+                             "</worldbody><equality><joint joint1=\"index_2\" joint2=\"index_1\" "
+                             "active=\"false\"/></equality>");
+  EXPECT_EQ(described("inactive.xml", text).actuator_count(), 6);
 }
 
 }  // namespace

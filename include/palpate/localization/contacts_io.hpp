@@ -10,6 +10,10 @@
 
 namespace palpate::localization {
 
+/// Largest standard deviation of a contact's point per axis, m: contacts that are more than 30 mm
+/// off the surface count as spurious, and poses from points that are less exact would be too sure.
+inline constexpr double kMaxPointSigma = 0.01;
+
 /// How exact contacts from a file are taken to be.
 struct ContactNoise {
   double point = 0.001;    ///< per axis, m
@@ -25,8 +29,8 @@ struct ContactNoise {
 ///
 /// @param source  named in errors, as in "contacts.csv:3: ..."
 /// @throws BadInput for a missing or unknown column, a row of another length, a value that is no
-///         finite number, a normal of another length, a sigma that is not positive or a group below
-///         0
+///         finite number, a normal of another length, a sigma that is not positive or more than
+///         kMaxPointSigma or pi/2, or a group below 0
 std::vector<tactile::Contact> parse_contacts(std::string_view text, std::string_view source,
                                              const ContactNoise& noise = {});
 

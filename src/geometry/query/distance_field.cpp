@@ -110,6 +110,11 @@ void DistanceField::fill(const MeshQuery& mesh) {
 std::optional<DistanceField::Cell> DistanceField::cell_of(const Eigen::Vector3f& p) const {
   const Eigen::Array3f at = (p - origin_).array() / cell_;
   if (!((at >= 0).all() && (at <= (size_ - 1).cast<float>()).all())) return std::nullopt;
+  return cell_at(at);
+}
+
+/// @param at  a place in the grid, in cells
+DistanceField::Cell DistanceField::cell_at(const Eigen::Array3f& at) const {
   const Eigen::Array3i low = at.cast<int>().min(size_ - 2);
   const auto row = static_cast<std::size_t>(size_[2]);
   const std::size_t slab = row * static_cast<std::size_t>(size_[1]);
@@ -129,8 +134,23 @@ Eigen::Vector4f DistanceField::blend(const Eigen::Vector4f& low, const Eigen::Ve
 
 std::optional<DistanceField::Sample> DistanceField::at(const Eigen::Vector3f& p) const {
   const auto cell = cell_of(p);
-  if (!cell) return std::nullopt;
-  const auto& [node, t] = *cell;
+  return cell ? std::optional(sample_in(*cell)) : std::nullopt;
+}
+
+DistanceField::Sample DistanceField::anywhere(const Eigen::Vector3f& p) const {
+  if (const auto cell = cell_of(p)) return sample_in(*cell);
+  const Eigen::Array3f at = ((p - origin_).array() / cell_).max(0).min((size_ - 1).cast<float>());
+  const Eigen::Vector3f way = p - origin_ - cell_ * at.matrix();
+  Sample sample = sample_in(cell_at(at));
+  sample.distance += way.norm();
+  for (int axis = 0; axis < 3; ++axis) {  // along the others the nearest point of the grid moves
+    if (way[axis] != 0) sample.gradient[axis] = way[axis] / way.norm();
+  }
+  return sample;
+}
+
+DistanceField::Sample DistanceField::sample_in(const Cell& cell) const {
+  const auto& [node, t] = cell;
   const auto row = static_cast<std::size_t>(size_[2]);
   const std::size_t slab = row * static_cast<std::size_t>(size_[1]);
   const auto along_z = [&](const Eigen::Vector4f* n) { return blend(n[0], n[1], 2, t[2]); };

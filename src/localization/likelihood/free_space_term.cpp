@@ -96,7 +96,9 @@ float FreeSpaceTerm::energy(const SearchPose& pose, float bound) const {
     if (arm.squaredNorm() > ball.reach_squared) continue;
     const Eigen::Vector3f center = R_object_frame * arm;
     if (clearance_.at_least(center) >= ball.radius) continue;
-    const float depth = ball.radius - field_.distance(center);
+    float distance = field_.distance(center);
+    if (distance >= field_.beyond()) distance = field_.anywhere(center).distance;
+    const float depth = ball.radius - distance;
     if (depth <= 0) continue;
     sum += 0.5F * depth * depth / (variance_ + growth_variance_ * arm.squaredNorm());
     if (sum > bound) break;
@@ -112,12 +114,12 @@ void FreeSpaceTerm::linearize(const SearchPose& pose, NormalEquations& equations
     if (arm.squaredNorm() > ball.reach_squared) continue;
     const Eigen::Vector3f center = R_object_frame * arm;
     if (clearance_.at_least(center) >= ball.radius) continue;
-    const auto sample = field_.at(center);
-    if (!sample || sample->distance >= ball.radius) continue;
-    const Eigen::Vector3d m = (pose.R * sample->gradient).cast<double>();
+    const auto sample = field_.anywhere(center);
+    if (sample.distance >= ball.radius) continue;
+    const Eigen::Vector3d m = (pose.R * sample.gradient).cast<double>();
     Eigen::Matrix<double, 1, 6> J;  // of the depth; moving the object away lessens it
     J << arm.cast<double>().cross(m).transpose(), m.transpose();
-    const Eigen::Matrix<double, 1, 1> depth(static_cast<double>(ball.radius - sample->distance));
+    const Eigen::Matrix<double, 1, 1> depth(static_cast<double>(ball.radius - sample.distance));
     equations.add(J, depth,
                   1 / static_cast<double>(variance_ + growth_variance_ * arm.squaredNorm()));
   }

@@ -120,7 +120,7 @@ void add_servos(mjSpec& spec, const hand::Description& hand) {
 /// Ties followers to their leaders, where the file's own equalities do not.
 void add_mimics(mjSpec& spec, const hand::Description& hand) {
   for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_EQUALITY); e; e = mjs_nextElement(&spec, e)) {
-    if (mjs_asEquality(e)->type == mjEQ_JOINT) return;
+    if (mjs_asEquality(e)->type == mjEQ_JOINT && mjs_asEquality(e)->active) return;
   }
   for (const hand::Actuator& one : hand.actuators) {
     for (std::size_t i = 1; i < one.joints.size() && !one.coupling; ++i) {

@@ -77,7 +77,10 @@ void add_jointed(const mjModel& model, int body, const JointNamer& joint_of, han
     const Eigen::Vector3d anchor = vector3(model.jnt_pos + 3 * joint);
     const NamedJoint named = joint_of(name);
     link.T_parent_link.translate(anchor - origin);
-    link.axis = named.sign * vector3(model.jnt_axis + 3 * joint);
+    const Eigen::Vector3d axis = vector3(model.jnt_axis + 3 * joint);
+    const double drawn_at = model.qpos0[model.jnt_qposadr[joint]];  // its `ref`
+    if (drawn_at != 0) link.T_parent_link.rotate(Eigen::AngleAxisd(-drawn_at, axis));
+    link.axis = named.sign * axis;
     link.joint = named.joint;
     origin = anchor;
     const bool last = i + 1 == model.body_jntnum[body] && anchor.isZero();
@@ -139,12 +142,14 @@ Eigen::Vector3d extents(const mjModel& model, int geom) {
   }
 }
 
-void add_spheres(const mjModel& model, int geom, int link, std::vector<hand::LinkSphere>& spheres) {
+/// @param thinnest  m, the least radius of what is represented
+void add_spheres(const mjModel& model, int geom, int link, double thinnest,
+                 std::vector<hand::LinkSphere>& spheres) {
   const Eigen::Isometry3d T = pose3(model.geom_pos + 3 * geom, model.geom_quat + 4 * geom);
   const Eigen::Vector3d center = vector3(model.geom_aabb + 6 * geom);
   const Eigen::Vector3d half = extents(model, geom);
   const double radius = half.minCoeff();
-  if (radius < kThinnest) return;
+  if (radius < thinnest) return;
   for (double x : offsets(half.x(), radius)) {
     for (double y : offsets(half.y(), radius)) {
       for (double z : offsets(half.z(), radius)) {
@@ -227,14 +232,15 @@ void read_links(const mjModel& model, int root, const std::string& palm, const J
   }
   for (int geom = 0; geom < model.ngeom; ++geom) {
     const int body = model.geom_bodyid[geom];
-    if (body < root || body >= end || model.geom_contype[geom] == 0) continue;
+    if (body < root || body >= end) continue;
+    if (model.geom_contype[geom] == 0 && model.geom_conaffinity[geom] == 0) continue;
     const int link = links[static_cast<std::size_t>(body)];
     const auto tip = std::ranges::find(tips, geom);
     if (tip != tips.end() && hand.fingers[static_cast<std::size_t>(tip - tips.begin())].hull) {
       add_hull(hand.fingers[static_cast<std::size_t>(tip - tips.begin())], hand.spheres);
       continue;
     }
-    add_spheres(model, geom, link, hand.spheres);
+    add_spheres(model, geom, link, tip == tips.end() ? kThinnest : 0, hand.spheres);
     if (!hand.file.own_servos || link == 0) add_corners(model, geom, link, hand.spheres);
   }
 }

@@ -52,6 +52,20 @@ DescribedHand describe(const std::filesystem::path& file) {
   return describe_hand(file.parent_path() / notes.model, notes);
 }
 
+/// @throws BadInput that names the file, and what is odd about it
+void derive_postures(const std::filesystem::path& file, DescribedHand& hand,
+                     const ProgressCallback& progress) {
+  try {
+    grasping::derive_postures(hand.hand, progress);
+  } catch (const BadInput& error) {
+    std::string message = fmt::format("{}: {}", file.string(), error.what());
+    for (const HandProblem& problem : hand.problems) {
+      message += fmt::format("; {}: {}", problem.what, problem.hint);
+    }
+    throw BadInput(message);
+  }
+}
+
 }  // namespace
 
 DescribedHand load_described_hand(const std::string& name, double stiffness_scale,
@@ -67,9 +81,10 @@ DescribedHand load_described_hand(const std::string& name, double stiffness_scal
   const std::scoped_lock lock(mutex);
   const auto known = loaded.find(name);
   if (known != loaded.end()) return known->second;
-  DescribedHand hand = describe(file_of(name));
+  const auto file = file_of(name);
+  DescribedHand hand = describe(file);
   hand.hand.name = name;
-  grasping::derive_postures(hand.hand, progress);
+  derive_postures(file, hand, progress);
   return loaded.emplace(name, std::move(hand)).first->second;
 }
 

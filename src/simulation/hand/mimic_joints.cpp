@@ -18,10 +18,21 @@ namespace {
 std::vector<MimicJoint> of_equalities(const mjModel& model) {
   std::vector<MimicJoint> mimics;
   for (int i = 0; i < model.neq; ++i) {
-    if (model.eq_type[i] != mjEQ_JOINT || model.eq_obj2id[i] < 0) continue;
-    const mjtNum* const data = model.eq_data + mjNEQDATA * i;  // polynomial of the leader's angle
-    mimics.push_back({mj_id2name(&model, mjOBJ_JOINT, model.eq_obj1id[i]),
-                      mj_id2name(&model, mjOBJ_JOINT, model.eq_obj2id[i]), data[1], data[0]});
+    if (model.eq_type[i] != mjEQ_JOINT || model.eq_obj2id[i] < 0 || !model.eq_active0[i]) continue;
+    const int follower = model.eq_obj1id[i], leader = model.eq_obj2id[i];
+    const std::string name = mj_id2name(&model, mjOBJ_JOINT, follower);
+    const mjtNum* const data = model.eq_data + mjNEQDATA * i;  // polynomial of the leader's way
+    if (data[2] != 0 || data[3] != 0 || data[4] != 0) {
+      throw BadInput(
+          fmt::format("the equality of joint {} is no linear one (polycoef {} {} {} {} {})", name,
+                      data[0], data[1], data[2], data[3], data[4]));
+    }
+    if (std::ranges::find(mimics, name, &MimicJoint::joint) != mimics.end()) {
+      throw BadInput(fmt::format("joint {} follows two others by equalities", name));
+    }
+    const auto drawn_at = [&](int joint) { return model.qpos0[model.jnt_qposadr[joint]]; };
+    mimics.push_back({name, mj_id2name(&model, mjOBJ_JOINT, leader), data[1],
+                      data[0] + drawn_at(follower) - data[1] * drawn_at(leader)});
   }
   return mimics;
 }

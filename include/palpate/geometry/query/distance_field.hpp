@@ -30,6 +30,10 @@ class DistanceField {
   /// Interpolated distance at p; outside the grid `beyond()`.
   float distance(const Eigen::Vector3f& p) const;
 
+  /// Value and gradient at any p. Outside the grid no more than the way to the nearest point of the
+  /// grid and the distance there: at least the distance, and near it.
+  Sample anywhere(const Eigen::Vector3f& p) const;
+
   /// Distance reported outside the grid: its padding, m.
   float beyond() const { return beyond_; }
 
@@ -40,6 +44,8 @@ class DistanceField {
     Eigen::Array3f t;
   };
   std::optional<Cell> cell_of(const Eigen::Vector3f& p) const;
+  Cell cell_at(const Eigen::Array3f& at) const;
+  Sample sample_in(const Cell& cell) const;
   Eigen::Vector4f blend(const Eigen::Vector4f& low, const Eigen::Vector4f& high, int axis,
                         float t) const;
   bool take_nodes(std::string_view bytes);
