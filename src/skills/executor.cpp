@@ -24,9 +24,6 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kSettingOut = 0.4;  // s of a motion in which the load is that of setting out
-constexpr double kSteady = 0.1;      // s after it over which the load of steady motion is averaged
-constexpr int kLoadedTicks = 3;
 constexpr double kLeverArm = 0.2;  // m: what a turn of 1 rad counts as a way of the hand
 constexpr int kSteadyReadings = 10, kSteadyWindows = 10;  // that are averaged; at most
 constexpr double kSteadyLoad = 0.15;                      // N between two windows
@@ -393,32 +390,6 @@ void Executor::limit_fingers(const hand::ActuatorVector& posture, SpeedProfile& 
   }
   profile.limit((posture - from).cwiseAbs().maxCoeff(), safety_.options.finger_speed,
                 safety_.options.finger_acceleration);
-}
-
-Executor::StopCondition lasting_load(const Executor& robot, const Eigen::Vector3d& direction,
-                                     double load) {
-  return [direction, load, start = robot.time(),
-          loaded = 0](const hand::HandReading& reading) mutable {
-    const bool now = reading.time > start + kSettingOut && direction.dot(reading.base_force) > load;
-    loaded = now ? loaded + 1 : 0;
-    return loaded >= kLoadedTicks;
-  };
-}
-
-Executor::StopCondition rising_load(const Executor& robot, const Eigen::Vector3d& direction,
-                                    double load) {
-  return [direction, load, start = robot.time(), steady = 0.0, averaged = 0,
-          loaded = 0](const hand::HandReading& reading) mutable {
-    const double now = direction.dot(reading.base_force);
-    const double moving = reading.time - start;
-    if (moving <= kSettingOut) return false;
-    if (averaged == 0 || moving <= kSettingOut + kSteady) {
-      steady += (now - steady) / ++averaged;
-      return false;
-    }
-    loaded = now - steady > load ? loaded + 1 : 0;
-    return loaded >= kLoadedTicks;
-  };
 }
 
 }  // namespace palpate::skills

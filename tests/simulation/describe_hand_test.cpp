@@ -198,7 +198,7 @@ TEST(DescribeHand, SaysThatAJointHasNoLimits) {
   const auto text = replaced(kHandMjcf, " range=\"0 1.4\"", "");
   const auto result = describe_hand(write_hand("unlimited.xml", text));
   ASSERT_EQ(result.problems.size(), 1u);
-  EXPECT_EQ(result.problems[0].what, "joint index_2 has no limits");
+  EXPECT_EQ(result.problems[0].what, "no limits of joint index_2");
   EXPECT_NEAR(result.hand.joints[1].range.high, std::numbers::pi / 2, 1e-3);
 }
 
@@ -206,7 +206,7 @@ TEST(DescribeHand, SaysThatLimitsAreReversed) {
   const auto text = replaced(kHandMjcf, " range=\"0 1.4\"", " range=\"1.4 0\" limited=\"false\"");
   const auto result = describe_hand(write_hand("reversed.xml", text));
   ASSERT_EQ(result.problems.size(), 1u);
-  EXPECT_EQ(result.problems[0].what, "the limits of joint index_2 are reversed");
+  EXPECT_EQ(result.problems[0].what, "reversed limits of joint index_2");
 }
 
 TEST(DescribeHand, SaysThatRadiansMayBeDegrees) {

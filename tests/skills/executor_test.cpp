@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <limits>
+#include <thread>
 
 #include "hand/fake_hand.hpp"
 #include "palpate/core/random.hpp"
@@ -114,6 +116,24 @@ TEST(Executor, BaseAndFingersArriveTogether) {
     EXPECT_NEAR(scene.robot.time(), std::max(1.0, seconds), 0.2)
         << "the slower of both sets the pace";
     EXPECT_EQ(scene.robot.limited_commands(), 0);
+  }
+}
+
+/// A hand with a clock of its own, which goes on while the program thinks.
+TEST(Executor, APauseToThinkIsNoFaultOfTheClock) {
+  for (const bool thinks : {true, false}) {
+    double ahead = 0;
+    hand::FakeHand fake([&](hand::HandReading& reading) { reading.time += ahead; });
+    Executor robot(fake, hand::shadow_hand(), hand::resting_command());
+    robot.wait(0.1);
+    if (thinks) std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    ahead = 0.5;
+    if (thinks) {
+      EXPECT_NO_THROW(robot.wait(0.1));
+    } else {
+      EXPECT_THROW(robot.wait(0.1), SafetyStop);
+      EXPECT_EQ(robot.fault().fault, Fault::implausible_change);
+    }
   }
 }
 

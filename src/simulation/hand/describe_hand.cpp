@@ -27,10 +27,9 @@ constexpr double kTipStiffness = 300;                      // N/m, of a servo at
 constexpr double kMinStiffness = 0.5, kMaxStiffness = 12;  // N m/rad
 constexpr double kNaturalFrequency = 40;                   // rad/s, of a joint on its servo
 constexpr double kUsualTorque = 1.0;                       // N m, where the file names no limit
-constexpr double kOneSided = 0.3;    // asymmetry of a range from which a joint flexes a finger
-constexpr double kLeastBend = 0.1;   // rad, of a joint whose limits are believed
-constexpr double kUsualBend = 1.57;  // rad, of a joint without limits
-constexpr double kHalf = 0.35;       // share of the way to closed at which the hand is measured
+constexpr double kOneSided = 0.3;  // asymmetry of a range from which a joint flexes a finger
+constexpr double kLeastBend = 0.1, kUsualBend = 1.57;  // rad: suspiciously few; without limits
+constexpr double kHalf = 0.35;  // share of the way to closed at which the hand is measured
 
 /// Largest torque of the servos that drive a joint, N m; 0 where the file does not say.
 double torque_limit(const mjModel& model, int joint) {
@@ -48,14 +47,6 @@ Eigen::Isometry3d given_mount(const HandNotes& notes) {
          Eigen::Quaterniond(Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
                             Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
                             Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()));
-}
-
-/// @throws BadInput for limits that no joint has
-void check_range(const std::string& joint, const hand::Range& range) {
-  const double most = std::max(std::abs(range.low), std::abs(range.high));
-  if (most <= 2 * std::numbers::pi) return;
-  throw BadInput(fmt::format("joint {} has the limits {:.4g} .. {:.4g} rad; are these degrees?",
-                             joint, range.low, range.high));
 }
 
 class Describer {
@@ -143,16 +134,15 @@ void Describer::read_joints(const mjModel& model, const Anatomy& anatomy) {
     if (!anatomy.is_below(model.jnt_bodyid[joint])) continue;
     const std::string name = model_name(model, mjOBJ_JOINT, joint);
     hand::Range range{model.jnt_range[2 * joint], model.jnt_range[2 * joint + 1]};
-    check_range(name, range);
+    check_limits(name, range);
     if (!model.jnt_limited[joint] || !(range.high > range.low)) {
-      const bool reversed = range.high < range.low;
-      problem(reversed ? fmt::format("the limits of joint {} are reversed", name)
-                       : fmt::format("joint {} has no limits", name),
-              fmt::format("give it a range in the file; {} .. {} rad is used", 0.0, kUsualBend));
+      const char* const limits = range.high < range.low ? "reversed limits" : "no limits";
+      problem(fmt::format("{} of joint {}", limits, name),
+              fmt::format("give it a range in the file; 0 .. {} rad is used", kUsualBend));
       range = {0, kUsualBend};
     }
-    if (range.high - range.low < kLeastBend) {
-      problem(fmt::format("joint {} turns by {:.3f} rad only", name, range.high - range.low),
+    if (const double turn = range.high - range.low; turn < kLeastBend) {
+      problem(fmt::format("joint {} turns by {:.3f} rad only", name, turn),
               "are its limits in radians where the file's angles are degrees?");
     }
     hand().joints.push_back({name, range});

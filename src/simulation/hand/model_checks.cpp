@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "simulation/hand/anatomy.hpp"
@@ -64,6 +68,13 @@ std::vector<std::string> tendons(const mjModel& model) {
   std::vector<std::string> names;
   for (int i = 0; i < model.ntendon; ++i) names.push_back(model_name(model, mjOBJ_TENDON, i));
   return names;
+}
+
+void check_limits(const std::string& joint, const hand::Range& range) {
+  const double most = std::max(std::abs(range.low), std::abs(range.high));
+  if (most <= 2 * std::numbers::pi) return;
+  throw BadInput(fmt::format("joint {} has the limits {:.4g} .. {:.4g} rad; are these degrees?",
+                             joint, range.low, range.high));
 }
 
 }  // namespace palpate::simulation

@@ -22,6 +22,9 @@ void check_shapes(const mjModel& model);
 /// @throws BadInput where fingertips are where no hand's can be: the lengths are in millimetres
 void check_size(const hand::Description& hand);
 
+/// @throws BadInput for limits of a joint that are more than a turn: they are degrees
+void check_limits(const std::string& joint, const hand::Range& range);
+
 /// Names of the model's tendons.
 std::vector<std::string> tendons(const mjModel& model);
 

@@ -15,15 +15,15 @@ namespace palpate::skills {
 namespace {
 
 constexpr double kSettleSeconds = 0.25;  // s
-constexpr double kSettle = 0.75;      // s, for the load's mean to hold nothing of the motion before
-constexpr double kSettingOut = 0.3;   // s
-constexpr double kSetOut = 0.15;      // s of a faster motion, in which less is noticed
-constexpr double kKnocked = 1.5;      // N by which it has met something
-constexpr int kHolding = 2;           // fingers that touch what has not been lost
-constexpr double kTries = 6;          // places on a turn of the spiral
-constexpr double kEarlyOfWall = 0.5;  // of a wall's height: that high, the object stands on it
-constexpr double kWider = 0.25;       // rad by which the fingers open further
-constexpr std::size_t kWidened = 2;   // actuators of a finger, from the palm on, that open wider
+constexpr double kSettle = 0.75;     // s, for the load's mean to hold nothing of the motion before
+constexpr double kSettingOut = 0.3;  // s
+constexpr double kKnockedAfter = 0.15;  // s of a faster motion, in which less is noticed
+constexpr double kKnock = 1.5;          // N by which it has met something
+constexpr int kHolding = 2;             // fingers that touch what has not been lost
+constexpr double kTries = 6;            // places on a turn of the spiral
+constexpr double kEarlyOfWall = 0.5;    // of a wall's height: that high, the object stands on it
+constexpr double kWider = 0.25;         // rad by which the fingers open further
+constexpr std::size_t kWidened = 2;     // actuators of a finger, from the palm on, that open wider
 constexpr int kWithdrawals = 3;
 constexpr double kAnyHeight = 1.0;  // m
 
@@ -114,10 +114,10 @@ PlacePhase::Touchdown PlacePhase::lower(Executor& robot, const Eigen::Vector3d& 
   const hand::BasePosition over = moved(at_goal, {0, 0, std::max(options_.near, 1.5 * wall_)});
   robot.wait(kSettleSeconds);
   const double hangs = estimation::mean_load(robot.log());
-  const bool knocked =
-      command.xyz.z() > over.xyz.z() &&
-      robot.move_base(over, options_.speed, load_below(hangs - kKnocked, robot.time() + kSetOut)) ==
-          MotionEnd::stopped;
+  const bool knocked = command.xyz.z() > over.xyz.z() &&
+                       robot.move_base(over, options_.speed,
+                                       load_below(hangs - kKnock, robot.time() + kKnockedAfter)) ==
+                           MotionEnd::stopped;
   if (!knocked) {
     if (const auto end = descend(robot, at_goal)) return *end;
   }
