@@ -240,9 +240,10 @@ class Results(CliTest):
         self.run_json("view", "run/recording.h5", "--out", "pages")
 
     def test_a_lost_object_has_no_pose(self):
-        """This bottle is lost on the table after its pose was estimated."""
+        """Something pushes this bottle out of the hand after its pose was estimated."""
         done = self.run_program("pick", "--object", "bottle", "--seed", "15136", "--json",
-                                "--quiet", "--out", "run", "--set", "attempts=1")  # fmt: skip
+                                "--quiet", "--out", "run", "--set", "attempts=1",
+                                "--set", "expert.fault.kind=object_pushed", "--set", "expert.fault.from=136")  # fmt: skip
         self.assertEqual(done.returncode, NO_SOLUTION, done.stderr)
         report = json.loads(done.stdout)
         self.assertEqual(report["failed_phase"], "touch_table")
