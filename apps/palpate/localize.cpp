@@ -314,7 +314,7 @@ void add_localize(CLI::App& program, Command& chosen) {
       .add_option("--point-noise", arguments->point_noise,
                   "standard deviation of contact points per axis, m")
       ->option_text("M")
-      ->check(in_range(1e-5, lo::kMaxPointSigma))
+      ->check(in_range(1e-5, lo::kMaxPointNoise))
       ->capture_default_str();
   command
       .add_option("--normal-noise-deg", arguments->normal_noise_deg,

@@ -10,9 +10,11 @@
 
 namespace palpate::localization {
 
-/// Largest standard deviation of a contact's point per axis, m: contacts that are more than 30 mm
-/// off the surface count as spurious, and poses from points that are less exact would be too sure.
-inline constexpr double kMaxPointSigma = 0.01;
+/// Largest standard deviation of points per axis, m: contacts that are more than 30 mm off the
+/// surface count as spurious, and poses from points that are all less exact would be too sure.
+inline constexpr double kMaxPointNoise = 0.01;
+/// The same of single points, m, which may say that they tell little.
+inline constexpr double kMaxPointSigma = 0.1;
 
 /// How exact contacts from a file are taken to be.
 struct ContactNoise {
