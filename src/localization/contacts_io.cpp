@@ -90,8 +90,8 @@ double sigma_of(const CsvTable& row, std::optional<std::size_t> column, double o
   if (!column || row.cell(*column).empty()) return otherwise;
   const double sigma = row.finite(*column);
   if (!(sigma > 0 && sigma <= most)) {
-    throw BadInput(fmt::format("{}: {} is {} {}, not more than 0 and at most {:.3g}", row.where(),
-                               row.names()[*column], sigma, unit, most));
+    throw BadInput(fmt::format("{}: {} is {} {}, but must be positive and at most {:.3g}",
+                               row.where(), row.names()[*column], sigma, unit, most));
   }
   return sigma;
 }

@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kSphereSpacing = 0.024;  // m, between the balls that stand for a link's surface
 constexpr double kThinnest = 0.003;       // m, half thickness below which a part is left out
+constexpr double kThinnestTip = 0.001;    // m, the same of fingertips
 constexpr double kMeshFill = 0.85;
 constexpr double kCornerRadius = 0.003;  // m, of the balls in corners
 constexpr double kCovered = 0.002;       // m that may stand out of the balls
@@ -240,7 +241,7 @@ void read_links(const mjModel& model, int root, const std::string& palm, const J
       add_hull(hand.fingers[static_cast<std::size_t>(tip - tips.begin())], hand.spheres);
       continue;
     }
-    add_spheres(model, geom, link, tip == tips.end() ? kThinnest : 0, hand.spheres);
+    add_spheres(model, geom, link, tip == tips.end() ? kThinnest : kThinnestTip, hand.spheres);
     if (!hand.file.own_servos || link == 0) add_corners(model, geom, link, hand.spheres);
   }
 }

@@ -41,8 +41,8 @@ PhaseEnd HeightProbePhase::run(Executor& robot, PickState& state) {
     state.place = place;
     return {true, fmt::format("{:.0f} mm tall", 1e3 * state.height)};
   }
-  return {false,
-          fmt::format("found nothing that is {:.0f} mm above the table", 1e3 * options_.clearance)};
+  return {false, fmt::format("found nothing that rises more than {:.0f} mm above the table",
+                             1e3 * options_.clearance)};
 }
 
 /// Height of the mount from which it comes down: nothing of the flat hand is over an object then.
