@@ -134,7 +134,8 @@ PointCloud box_with_plate(std::size_t points, RandomStream random) {
   PointCloud cloud;
   const Eigen::Vector3d size(0.05, 0.08, 0.12);
   for (std::size_t i = 0; i < points; ++i) {
-    Eigen::Vector3d p(random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1));
+    const double z = random.uniform(0, 1), y = random.uniform(0, 1), x = random.uniform(0, 1);
+    Eigen::Vector3d p(x, y, z);
     const std::size_t face = random.index(7);
     if (face < 6) {
       p[static_cast<Eigen::Index>(face / 2)] = static_cast<double>(face % 2);

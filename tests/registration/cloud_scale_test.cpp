@@ -59,7 +59,8 @@ TEST(RegisterClouds, ACornerOfThreeWallsHasNoScale) {
   PointCloud corners[2];
   for (auto& corner : corners) {
     for (int i = 0; i < 6000; ++i) {
-      Eigen::Vector3d p(random.uniform(0, 0.1), random.uniform(0, 0.15), random.uniform(0, 0.2));
+      const double z = random.uniform(0, 0.2), y = random.uniform(0, 0.15);
+      Eigen::Vector3d p(random.uniform(0, 0.1), y, z);
       p[i % 3] = 0;
       corner.points.push_back(p);
     }
@@ -81,7 +82,8 @@ TEST(RegisterClouds, APlateOfUnknownScaleSlides) {
   PointCloud plates[2];
   for (auto& plate : plates) {
     for (int i = 0; i < 3000; ++i) {
-      plate.points.emplace_back(random.uniform(-0.1, 0.1), random.uniform(-0.07, 0.07), 0);
+      const double y = random.uniform(-0.07, 0.07);
+      plate.points.emplace_back(random.uniform(-0.1, 0.1), y, 0);
     }
   }
   CloudOptions options = coarse();

@@ -51,7 +51,8 @@ inline Eigen::Isometry3d random_pose(RandomStream& random, double shift = 0.1) {
 inline Eigen::Vector3d tilted(const Eigen::Vector3d& n, double degrees, RandomStream& random) {
   const Eigen::Matrix3d frame = frame_with_z(n);
   const double s = degrees * std::numbers::pi / 180;
-  return (n + s * (random.normal() * frame.col(0) + random.normal() * frame.col(1))).normalized();
+  const double x = random.normal(), y = random.normal();
+  return (n + s * (x * frame.col(0) + y * frame.col(1))).normalized();
 }
 
 /// Moved and noisy samples of a surface; outliers are pairs with another sample's target.

@@ -16,8 +16,11 @@ inline BiotacLog made_up_log(std::uint64_t seed, int touches, double drift_a_sec
   BiotacLog log;
   log.name = "made-up";
   for (int touch = 0; touch < touches; ++touch) {
-    const Eigen::Vector3d from(random.uniform(-0.6, 0.2), random.uniform(-0.5, 0.5), 1);
-    const Eigen::Vector3d to(random.uniform(-0.6, 0.2), random.uniform(-0.5, 0.5), 1);
+    const auto draw = [&] {
+      const double y = random.uniform(-0.5, 0.5);
+      return Eigen::Vector3d(random.uniform(-0.6, 0.2), y, 1);
+    };
+    const Eigen::Vector3d from = draw(), to = draw();
     for (int tick = 0; tick < 300; ++tick) {
       const double share = (tick - 120) / 180.0;
       const double press = share < 0 ? 0 : 300 * std::sin(3.14 * share);

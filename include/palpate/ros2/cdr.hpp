@@ -61,7 +61,7 @@ class CdrWriter {
   }
   template <Message M>
   void put(const M& message) {
-    M::fields(message, [this](std::string_view, const auto& value) { put(value); });
+    M::fields(message, [this](std::string_view, const auto& value) { this->put(value); });
   }
 
   static constexpr std::size_t kHeader = 4;  ///< bytes of encapsulation
@@ -130,7 +130,7 @@ class CdrReader {
   }
   template <Message M>
   void get(M& message) {
-    M::fields(message, [this](std::string_view, auto& value) { get(value); });
+    M::fields(message, [this](std::string_view, auto& value) { this->get(value); });
   }
 
   /// @throws BadInput if more than padding is left

@@ -29,7 +29,7 @@ class SchemaWriter {
       text_ += fmt::format("{} {}\n", name_of<std::remove_cvref_t<decltype(value)>>(), field);
     });
     M::fields(empty, [this](std::string_view, const auto& value) {
-      add_part<std::remove_cvref_t<decltype(value)>>();
+      this->add_part<std::remove_cvref_t<decltype(value)>>();
     });
   }
   [[nodiscard]] const std::string& text() const { return text_; }

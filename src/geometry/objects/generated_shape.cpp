@@ -37,7 +37,8 @@ Eigen::Vector3d draw_half(RandomStream& random) {
 
 Draft draw_superquadric(RandomStream& random) {
   const Eigen::Vector3d half = draw_half(random);
-  return {superquadric(half, random.uniform(0.2, 1.3), random.uniform(0.2, 1.6)), half};
+  const double e2 = random.uniform(0.2, 1.6), e1 = random.uniform(0.2, 1.3);
+  return {superquadric(half, e1, e2), half};
 }
 
 Draft draw_loft(RandomStream& random) {
@@ -86,8 +87,8 @@ void combine(Draft& draft, RandomStream& random) {
   }
   if (!bernoulli(random, 0.5)) return;
   const Eigen::Vector3d half = random.uniform(0.4, 0.7) * draft.half;
-  Solid other = moved(place_on(draft, random),
-                      superquadric(half, random.uniform(0.2, 1.2), random.uniform(0.2, 1.2)));
+  const double e2 = random.uniform(0.2, 1.2), e1 = random.uniform(0.2, 1.2);
+  Solid other = moved(place_on(draft, random), superquadric(half, e1, e2));
   if (bernoulli(random, 0.5)) {
     draft.solid = cut(draft.solid, std::move(other));
     return;

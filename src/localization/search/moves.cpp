@@ -21,7 +21,8 @@ Eigen::Matrix3f turn_about(const Eigen::Vector3f& axis, double angle) {
 }
 
 double heavy_tailed_angle(RandomStream& random) {
-  return random.normal() * kTurnScale * std::pow(10.0, -kTurnDecades * random.uniform());
+  const double turns = random.normal() * kTurnScale;
+  return turns * std::pow(10.0, -kTurnDecades * random.uniform());
 }
 
 double median_point_sigma(const std::vector<tactile::Contact>& contacts) {

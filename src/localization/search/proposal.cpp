@@ -102,7 +102,8 @@ class AnchorProposal : public Proposal {
   static Eigen::Vector3d draw_normal(const tactile::Contact& anchor, RandomStream& random) {
     if (!anchor.has_normal()) return random.unit_vector();
     const Eigen::Matrix3d tangent = frame_with_z(anchor.n);
-    const Eigen::Vector3d jitter(random.normal(), random.normal(), 0);
+    const double y = random.normal(), x = random.normal();
+    const Eigen::Vector3d jitter(x, y, 0);
     return (anchor.n + anchor.normal_sigma * (tangent * jitter)).normalized();
   }
 

@@ -283,14 +283,14 @@ void check(const Demonstrations& demonstrations) {
 
 MlpPolicy clone_behavior(const Demonstrations& demonstrations, const CloningOptions& options,
                          std::uint64_t seed) {
-  constexpr double kMinScale = 0.01;
+  constexpr double kLeastScale = 0.01;
   check(demonstrations);
   RandomStream random(seed, "cloning");
   auto normalization = no_normalization();
   const bool shown = demonstrations.observations.cols() > 0;
   if (shown) {
     std::tie(normalization.input_shift, normalization.input_scale) =
-        learning::standardization(demonstrations.observations, kMinScale);
+        learning::standardization(demonstrations.observations, kLeastScale);
   }
   MlpPolicy policy(
       numerics::Mlp({kRelocateObservations, options.hidden, options.hidden, kRelocateJoints},
