@@ -42,19 +42,6 @@ Matrix6d min_covariance() {
   return variances.asDiagonal();
 }
 
-/// The mode's covariance at its pose with the spread along the free axis replaced by that of a
-/// step.
-Matrix6d covariance_across(const Mode& mode, double step) {
-  const Eigen::Vector3d& axis = mode.free_axis->direction;
-  Vector6d along;  // change of the pose per radian about the free axis
-  along << axis, axis.cross(mode.T_frame_object.translation() - mode.free_axis->point);
-  const double spread = step / 2;          // of neighbours that join into an even density
-  Matrix6d across = Matrix6d::Identity();  // turns a deviation back till none is about the axis
-  across.leftCols<3>() -= along * axis.transpose();
-  return across * mode.covariance * across.transpose() +
-         spread * spread * along * along.transpose();
-}
-
 Matrix6d turned(const Matrix6d& covariance, const Eigen::Matrix3d& turn) {
   Matrix6d both = Matrix6d::Zero();
   both.topLeftCorner<3, 3>() = turn;
@@ -69,7 +56,7 @@ std::vector<PosePrior::Component> components_of(const Mode& mode) {
   const int count = std::max(1, static_cast<int>(std::ceil(2 * axis.extent / kSpacing - 1e-6)));
   const double step = 2 * axis.extent / count;
   const PoseFamily family(PosePoint(mode.T_frame_object), axis);
-  const Matrix6d covariance = covariance_across(mode, step);
+  const Matrix6d covariance = covariance_along(mode, step / 2);  // neighbours join evenly
   std::vector<PosePrior::Component> result;
   for (int k = 0; k < count; ++k) {
     const double angle = -axis.extent + (k + 0.5) * step;

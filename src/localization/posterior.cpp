@@ -2,6 +2,7 @@
 #include "palpate/localization/posterior.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 #include "localization/search/pose_family.hpp"
 
@@ -36,9 +37,15 @@ PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
   return family_of(mode).match(PosePoint(truth), SymmetryGroup(symmetries)).error;
 }
 
+Matrix6d family_covariance(const Mode& mode) {
+  if (!mode.free_axis) return mode.covariance;
+  return covariance_along(mode, mode.free_axis->extent / std::numbers::sqrt3);
+}
+
 double pose_probability(const Mode& mode) {
   if (!mode.free_axis) return mode.weight;
-  return mode.weight * std::min(1.0, PoseTolerance{}.rotation / mode.free_axis->extent);
+  const double even = std::min(1.0, PoseTolerance{}.rotation / mode.free_axis->extent);
+  return mode.weight * mode.free_axis->share.value_or(even);
 }
 
 double best_probability(const Posterior& posterior) {

@@ -28,6 +28,7 @@ json mode_to_json(const PoseModeRecord& mode) {
     j["free_axis"] = {{"point", matrix_to_json(mode.free_axis->point)},
                       {"direction", matrix_to_json(mode.free_axis->direction)},
                       {"extent", mode.free_axis->extent}};
+    if (mode.free_axis->share) j["free_axis"]["share"] = *mode.free_axis->share;
   }
   return j;
 }
@@ -41,6 +42,9 @@ PoseModeRecord mode_from_json(const json& j) {
   if (const json& axis = j.at("free_axis"); !axis.is_null()) {
     mode.free_axis = {vector_from_json(axis.at("point")), vector_from_json(axis.at("direction")),
                       plausible_from_json(axis.at("extent"), 0, kMaxAngle, "an extent")};
+    if (axis.contains("share")) {
+      mode.free_axis->share = plausible_from_json(axis["share"], 0, 1 + kRounding, "a share");
+    }
   }
   return mode;
 }

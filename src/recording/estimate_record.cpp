@@ -13,7 +13,8 @@ using localization::PoseStatus;
 PoseModeRecord mode_record(const localization::Mode& mode) {
   PoseModeRecord record{mode.T_frame_object, mode.weight, mode.covariance, {}};
   if (mode.free_axis) {
-    record.free_axis = {mode.free_axis->point, mode.free_axis->direction, mode.free_axis->extent};
+    const auto& axis = *mode.free_axis;
+    record.free_axis = {axis.point, axis.direction, axis.extent, axis.share};
   }
   return record;
 }
@@ -42,7 +43,8 @@ localization::Posterior posterior_of(const EstimateRecord& record) {
   for (const auto& one : record.modes) {
     localization::Mode mode{one.T_world_object, one.weight, one.covariance, {}};
     if (one.free_axis) {
-      mode.free_axis = {one.free_axis->point, one.free_axis->direction, one.free_axis->extent};
+      const auto& axis = *one.free_axis;
+      mode.free_axis = {axis.point, axis.direction, axis.extent, axis.share};
     }
     posterior.modes.push_back(mode);
   }

@@ -129,6 +129,7 @@ TEST(FindModes, AFamilyIsOneModeWithItsFreeAxis) {
     EXPECT_GT(modes[0].weight, 0.98);
     EXPECT_GT(std::abs(axis.direction.dot(family.axis.direction)), std::cos(2 * kDegree));
     EXPECT_NEAR(axis.extent, extent, 4 * kDegree);
+    EXPECT_NEAR(axis.share.value(), 5 * kDegree / extent, 0.05);
     const Eigen::Vector3d off = axis.point - family.axis.point;
     EXPECT_LT(off.cross(family.axis.direction).norm(), 0.003);
     for (const double angle : {-extent, 0.0, extent}) {
@@ -137,6 +138,29 @@ TEST(FindModes, AFamilyIsOneModeWithItsFreeAxis) {
       EXPECT_LT(error.rotation, 4 * kDegree);
       EXPECT_LT(error.translation, 0.004);
     }
+  }
+}
+
+// Where the turns differ in probability, the pose is the likeliest, and stated as likely as it is.
+TEST(FindModes, TheBestPoseOfAFamilyIsWhereItIsDensest) {
+  RandomStream random(12);
+  Family family = noisy_family(60 * kDegree, 400, random);
+  const double likeliest = 25 * kDegree;
+  std::vector<PosePoint> weighed_on = family.poses;
+  for (int i = 0; i < 300; ++i) {
+    const auto near = turned(family.middle, family.axis, likeliest + 4 * kDegree * random.normal());
+    (i % 2 ? family.poses : weighed_on).push_back(disturbed(near, kDegree, 0.001, random));
+  }
+  const auto modes = find_modes(family.poses, weighed_on, kNone, kMost);
+  ASSERT_TRUE(modes.at(0).free_axis);
+  const auto best = turned(family.middle, family.axis, likeliest).isometry();
+  const PoseError off = pose_error(modes[0].T_frame_object, best, {Eigen::Matrix3d::Identity()});
+  EXPECT_LT(off.rotation, 3 * kDegree);
+  const double expected = (400 * 5.0 / 60 + 150 * 0.79) / 550;  // 0.79: within 1.25 sigma
+  EXPECT_NEAR(pose_probability(modes[0]), expected, 0.06);
+  for (const double angle : {-58 * kDegree, 58 * kDegree}) {
+    const auto end = turned(family.middle, family.axis, angle).isometry();
+    EXPECT_LT(mode_error(modes[0], end, {Eigen::Matrix3d::Identity()}).rotation, 4 * kDegree);
   }
 }
 

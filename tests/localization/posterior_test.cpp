@@ -88,6 +88,8 @@ TEST(PoseProbability, IsTheShareOfAFamilysArc) {
   EXPECT_NEAR(pose_probability(mode), 0.2, 1e-9);
   mode.free_axis->extent = 2 * kDegree;
   EXPECT_EQ(pose_probability(mode), 0.8);
+  mode.free_axis->share = 0.75;
+  EXPECT_NEAR(pose_probability(mode), 0.6, 1e-9);
 }
 
 TEST(BestProbability, IsThatOfTheFirstModesPose) {

@@ -22,7 +22,7 @@ estimation::HeldPoseEstimate two_modes() {
     estimate.posterior.modes.push_back(mode);
   }
   estimate.posterior.modes.back().free_axis = {Eigen::Vector3d(0.1, 0.2, 0.3),
-                                               Eigen::Vector3d::UnitY(), 0.4};
+                                               Eigen::Vector3d::UnitY(), 0.4, 0.25};
   estimate.contacts.resize(3);
   return estimate;
 }
@@ -47,6 +47,7 @@ TEST(EstimateRecord, HasTheModesToTheLastBit) {
   EXPECT_EQ(again.modes[1].free_axis->point, Eigen::Vector3d(0.1, 0.2, 0.3));
   EXPECT_EQ(again.modes[1].free_axis->direction, Eigen::Vector3d(0, 1, 0));
   EXPECT_EQ(again.modes[1].free_axis->extent, 0.4);
+  EXPECT_EQ(again.modes[1].free_axis->share, 0.25);
 }
 
 TEST(EstimateRecord, EveryStatusIsReadAndNoOther) {

@@ -107,7 +107,7 @@ inline EstimateRecord toy_estimate(double time, RandomStream& random) {
     for (auto& value : mode.covariance.reshaped()) value = random.normal();
     estimate.modes.push_back(mode);
   }
-  estimate.modes[1].free_axis = {random.normal3(), random.unit_vector(), std::numbers::pi};
+  estimate.modes[1].free_axis = {random.normal3(), random.unit_vector(), std::numbers::pi, 0.3};
   estimate.contacts.push_back({2, time, random.normal3(), random.unit_vector(), random.normal3()});
   return estimate;
 }

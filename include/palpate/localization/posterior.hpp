@@ -13,18 +13,22 @@ namespace palpate::localization {
 /// Probability of the credible set.
 inline constexpr double kCredible = 0.95;
 
-/// A one-parameter family of equally credible poses: rotation about a line by -extent..+extent.
+/// A one-parameter family of credible poses: rotation about a line by -extent..+extent.
 struct FreeAxis {
   Eigen::Vector3d point;      ///< on the line, in the evidence's frame, m
   Eigen::Vector3d direction;  ///< unit
   double extent = 0;          ///< rad, to either side of the mode's pose; pi: all round
+  /// Share of the mode's weight that is within 5 deg and 10 mm of the mode's pose. Nothing where it
+  /// is not known: all members then count as equally credible.
+  std::optional<double> share = std::nullopt;
 };
 
 /// A cluster of credible poses.
 struct Mode {
   Eigen::Isometry3d T_frame_object = Eigen::Isometry3d::Identity();
   double weight = 0;                       ///< share of the posterior mass
-  Matrix6d covariance = Matrix6d::Zero();  ///< of [rotation; translation], frame's axes
+  /// Of [rotation; translation], frame's axes; where there is a free axis, about the family.
+  Matrix6d covariance = Matrix6d::Zero();
   std::optional<FreeAxis> free_axis;
 };
 
@@ -61,8 +65,12 @@ PoseError pose_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d&
 PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
                      const std::vector<Eigen::Matrix3d>& symmetries);
 
+/// Covariance of all poses of a mode, [rotation; translation], with an even spread along its free
+/// axis: at +-180 deg the variance of that turn is pi^2 / 3.
+Matrix6d family_covariance(const Mode& mode);
+
 /// The probability stated for the pose of a mode itself: that the object is within 5 deg and 10 mm
-/// of it, modulo its symmetries. Of a family about a free axis that is the share of its arc.
+/// of it, modulo its symmetries. Of a family about a free axis that is the share of its weight there.
 double pose_probability(const Mode& mode);
 
 /// That of the best pose; 0 where there is none.

@@ -60,6 +60,8 @@ struct FreeAxisRecord {
   Eigen::Vector3d point;      ///< on the line, in the world, m
   Eigen::Vector3d direction;  ///< unit
   double extent = 0;          ///< rad; pi: all round
+  /// Of the mode's weight, near its pose (localization::FreeAxis); older recordings have none.
+  std::optional<double> share = std::nullopt;
 };
 
 /// One of the poses that an estimate holds for credible.

@@ -18,6 +18,8 @@ constexpr double kMinTurn = 10 * kDegree;  // between two poses that determine a
 constexpr double kMaxTurn = 120 * kDegree;
 constexpr double kWidestGap = 12 * kDegree;  // between neighbours of one arc
 constexpr double kMinExtent = 15 * kDegree;  // shorter arcs are left to a few balls
+constexpr double kSpacing = 0.5 * kDegree;   // of poses that may be the centre of an arc
+constexpr double kClearlyMore = 4.5;         // standard deviations of a count
 constexpr std::size_t kHypotheses = 60, kScored = 300;
 constexpr int kRefits = 2;
 
@@ -147,6 +149,34 @@ PosePoint mean_pose(const std::vector<PosePoint>& poses) {
   }
   const auto count = static_cast<double>(poses.size());
   return {Eigen::Quaterniond(exp_so3(turn / count)) * first.q, first.t + step / count};
+}
+
+PoseFamily centered_where_densest(const PoseFamily& family, const std::vector<PosePoint>& members,
+                                  const PoseFamily::Symmetries& symmetries) {
+  FreeAxis axis = *family.axis();
+  // Of the whole circle, or what lies beyond the arc's ends would count as at them.
+  const PoseFamily circle(family.pose(), {axis.point, axis.direction, pi});
+  std::vector<double> angles;
+  for (const PosePoint& member : members) angles.push_back(circle.match(member, symmetries).along);
+  // A triangular window: of a flat top the middle.
+  const auto density = [&](double angle) {
+    double sum = 0;
+    for (const double other : angles) {
+      const double off = std::abs(std::remainder(other - angle, 2 * pi));
+      sum += std::max(0.0, 1 - off / PoseTolerance{}.rotation);
+    }
+    return sum;
+  };
+  const double middle = density(0);
+  double densest = 0, most = middle + kClearlyMore * std::sqrt(middle + 1);
+  for (double angle = -axis.extent; angle <= axis.extent; angle += kSpacing) {
+    const double found = density(angle);
+    if (found <= most) continue;
+    most = found;
+    densest = angle;
+  }
+  axis.extent = std::min(pi, axis.extent + std::abs(densest));
+  return {family.at(densest), axis};
 }
 
 std::optional<PoseFamily> fit_free_axis(const std::vector<PosePoint>& poses, const PosePoint& seed,

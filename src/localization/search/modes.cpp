@@ -17,7 +17,7 @@ constexpr double kEnoughHeld = 0.97, kWorthListing = 0.004;
 constexpr PoseTolerance kCore{3.5 * std::numbers::pi / 180, 0.007};
 constexpr int kCoreSteps = 4;       // of shifting a centre to the mean of the poses about it
 constexpr double kCoreShare = 0.9;  // of the poses in the ball that must be about its core, too
-constexpr double kMinCount = 0.5;   // of poses like a mode that is reported, at least
+constexpr double kMinCount = 0.5;   // of poses like one that is reported, at least
 constexpr double kAxisGain = 1.5;   // times a ball's poses that a free axis must hold
 
 using Poses = std::vector<PosePoint>;
@@ -94,8 +94,9 @@ Cluster fullest_cluster(const Poses& poses, const PoseFamily::Symmetries& symmet
   if (enough > poses.size()) return ball;
   const auto family = fit_free_axis(poses, ball.family.pose(), symmetries);
   if (!family) return ball;
-  Cluster arc{*family, members_of(*family, poses, symmetries)};
-  return arc.members.size() > enough ? arc : ball;
+  Poses members = members_of(*family, poses, symmetries);
+  if (members.size() <= enough) return ball;
+  return {centered_where_densest(*family, members, symmetries), members};
 }
 
 std::vector<Cluster> cover(Poses poses, const PoseFamily::Symmetries& symmetries,
@@ -113,6 +114,16 @@ std::vector<Cluster> cover(Poses poses, const PoseFamily::Symmetries& symmetries
     return a.members.size() > b.members.size();
   });
   return clusters;
+}
+
+/// The share of the family's poses that are near its own; nothing where there are none.
+std::optional<double> share_near(const PoseFamily& family, const Poses& poses,
+                                 const PoseFamily::Symmetries& symmetries) {
+  const Poses members = members_of(family, poses, symmetries);
+  if (members.empty()) return std::nullopt;
+  const Poses near = members_of(PoseFamily(family.pose()), members, symmetries);
+  return std::max(kMinCount, static_cast<double>(near.size())) /
+         static_cast<double>(members.size());
 }
 
 /// Spread of the members about the family, at the family's pose.
@@ -152,10 +163,11 @@ std::vector<Mode> find_modes(const Poses& chosen_on, const Poses& weighed_on,
   for (const Cluster& cluster : cover(chosen_on, symmetries, most)) {
     Mode mode;
     mode.T_frame_object = cluster.family.pose().isometry();
+    mode.free_axis = cluster.family.axis();
+    if (mode.free_axis) mode.free_axis->share = share_near(cluster.family, left, symmetries);
     mode.weight = static_cast<double>(take(cluster.family, symmetries, left)) /
                   static_cast<double>(weighed_on.size());
     mode.covariance = covariance(cluster, symmetries);
-    mode.free_axis = cluster.family.axis();
     modes.push_back(std::move(mode));
   }
   make_decreasing(modes);

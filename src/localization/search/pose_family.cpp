@@ -142,6 +142,16 @@ PoseFamily family_of(const Mode& mode) {
   return mode.free_axis ? PoseFamily(pose, *mode.free_axis) : PoseFamily(pose);
 }
 
+Matrix6d covariance_along(const Mode& mode, double spread) {
+  const Eigen::Vector3d& axis = mode.free_axis->direction;
+  Vector6d along;  // change of the pose per radian about the free axis
+  along << axis, axis.cross(mode.T_frame_object.translation() - mode.free_axis->point);
+  Matrix6d across = Matrix6d::Identity();  // turns a deviation back till none is about the axis
+  across.leftCols<3>() -= along * axis.transpose();
+  return across * mode.covariance * across.transpose() +
+         spread * spread * along * along.transpose();
+}
+
 std::size_t take(const PoseFamily& family, const PoseFamily::Symmetries& symmetries,
                  std::vector<PosePoint>& poses) {
   return std::erase_if(poses, [&](const PosePoint& p) { return family.contains(p, symmetries); });

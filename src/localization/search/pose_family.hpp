@@ -64,6 +64,10 @@ class PoseFamily {
 
 PoseFamily family_of(const Mode& mode);
 
+/// The covariance of a mode with a free axis, where the turns about that have this standard
+/// deviation, rad.
+Matrix6d covariance_along(const Mode& mode, double spread);
+
 /// Removes from `poses` what the family holds and returns how many that were.
 std::size_t take(const PoseFamily& family, const PoseFamily::Symmetries& symmetries,
                  std::vector<PosePoint>& poses);
