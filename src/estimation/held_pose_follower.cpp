@@ -47,27 +47,27 @@ HeldPoseFollower::HeldPoseFollower(const geometry::ObjectModel& object, hand::De
 void HeldPoseFollower::update(const hand::HandReading& reading) {
   auto& readings = log_.readings;
   if (!readings.empty() && reading.time < readings.back().time) restart(reading.time);
+  if (!readings.empty() && reading.time - readings.back().time > options_.lost_after) forget();
   readings.push_back(reading);
   if (readings.size() >= 2 * kKept) {
     readings.erase(readings.begin(), readings.end() - static_cast<std::ptrdiff_t>(kKept));
   }
-  const Eigen::Isometry3d before = carried();
+  const Eigen::Isometry3d before = T_world_palm_;
   T_world_palm_ =
       reading.base.pose() *
       hand::forward_kinematics(hand_, reading.joints)[static_cast<std::size_t>(hand_.palm)];
   if (hand::touching_fingers(reading) >= options_.fingers) {
     touched_at_ = reading.time;
+    motion_ = T_world_palm_ * before.inverse() * motion_;
   } else if (reading.time - touched_at_ > options_.lost_after) {
     forget();
-  } else {  // it stays where it is, whatever the palm does
-    palm_of_estimate_ = before.inverse() * T_world_palm_;
-  }
+  }  // else it stays where it is, whatever the palm does
 }
 
 void HeldPoseFollower::begin(const localization::Posterior& posterior) {
   known_ = posterior;
   known_at_ = touched_at_ = log_.readings.back().time;
-  palm_of_estimate_ = T_world_palm_;
+  motion_of_known_ = motion_;
   used_ = contacts();
 }
 
@@ -91,9 +91,7 @@ bool HeldPoseFollower::due() const {
 }
 
 /// The motion of the object in the world since the last estimate.
-Eigen::Isometry3d HeldPoseFollower::carried() const {
-  return T_world_palm_ * palm_of_estimate_.inverse();
-}
+Eigen::Isometry3d HeldPoseFollower::carried() const { return motion_ * motion_of_known_.inverse(); }
 
 localization::PosePrior HeldPoseFollower::prior() const {
   const hand::HandReading& last = log_.readings.back();
@@ -114,7 +112,7 @@ localization::PosePrior HeldPoseFollower::prior() const {
 
 HeldPoseFollower::Task HeldPoseFollower::task() {
   asked_at_ = log_.readings.back().time;
-  Task task{log_, T_world_palm_, std::nullopt, std::nullopt, ++tasks_, epoch_};
+  Task task{log_, motion_, std::nullopt, std::nullopt, ++tasks_, epoch_};
   if (known_.modes.empty()) return task;
   if (has_new_contacts()) {
     task.prior = prior();
@@ -161,7 +159,7 @@ void HeldPoseFollower::accept(const Task& task, HeldPoseEstimate estimate) {
   use(estimate.contacts, task.log.readings.back().base.pose().inverse());
   known_ = std::move(estimate.posterior);
   known_at_ = task.log.readings.back().time;
-  palm_of_estimate_ = task.T_world_palm;
+  motion_of_known_ = task.motion;
 }
 
 /// Remembers where each finger touched last when that was reckoned with.

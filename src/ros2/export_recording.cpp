@@ -7,6 +7,7 @@
 #include <string>
 
 #include "palpate/geometry/mesh/mesh.hpp"
+#include "palpate/recording/estimate_record.hpp"
 #include "palpate/ros2/mcap_writer.hpp"
 #include "palpate/ros2/robot_messages.hpp"
 
@@ -75,13 +76,8 @@ class Exporter {
 
   void write_estimate(const recording::EstimateRecord& estimate) {
     const std::uint64_t time = nanoseconds_of(estimate.time);
-    localization::Posterior posterior;
-    for (const auto& mode : estimate.modes) {
-      posterior.modes.push_back({mode.T_world_object, mode.weight, mode.covariance, {}});
-    }
-    auto messages = messages_of(posterior, estimate.contacts,
+    auto messages = messages_of(recording::posterior_of(estimate), estimate.contacts,
                                 geometry::bounds(recording_.header.object.mesh), interface_, time);
-    messages.status.data = estimate.status;
     for (const auto& pose : messages.pose) writer_.write(topic("estimate"), time, pose);
     writer_.write(topic("modes"), time, messages.modes);
     writer_.write(topic("mode_weights"), time, messages.weights);

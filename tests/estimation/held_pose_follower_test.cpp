@@ -91,6 +91,20 @@ TEST_F(HeldPoseFollowerTest, GoesWithThePalmWhileFingersTouch) {
   EXPECT_LT((now - carried).norm(), 1e-12);
 }
 
+// The palm moves on, and no finger touches, while an estimate is made.
+TEST_F(HeldPoseFollowerTest, AnEstimateGoesWithTheObjectNotWithThePalm) {
+  HeldPoseFollower held = follower();
+  held.update(reading({0, 0, 0.3}, true));
+  const auto task = held.task();
+  held.update(reading({0, 0, 0.35}, true));
+  held.update(reading({0.3, 0, 0.35}, false));
+  HeldPoseEstimate estimate;
+  estimate.posterior = at({0.1, 0, 0.05});
+  held.accept(task, estimate);
+  const Eigen::Vector3d now = held.posterior().modes.at(0).T_frame_object.translation();
+  EXPECT_LT((now - Eigen::Vector3d(0.1, 0, 0.1)).norm(), 1e-12);
+}
+
 TEST_F(HeldPoseFollowerTest, ForgetsWhatNoFingerTouches) {
   HeldPoseFollower held = follower();
   held.update(reading({0, 0, 0.3}, true));
@@ -102,6 +116,15 @@ TEST_F(HeldPoseFollowerTest, ForgetsWhatNoFingerTouches) {
   HeldPoseEstimate late;  // of before the loss
   late.posterior = at({0.1, 0, 0.05});
   held.accept(task, late);
+  EXPECT_TRUE(held.posterior().modes.empty());
+}
+
+TEST_F(HeldPoseFollowerTest, ForgetsWhatItHasNotHeardOfForLong) {
+  HeldPoseFollower held = follower();
+  held.update(reading({0, 0, 0.3}, true));
+  held.begin(at({0.1, 0, 0.05}));
+  tick += static_cast<int>(2 * options.lost_after / hand::kTick);
+  held.update(reading({0, 0, 0.3}, true));
   EXPECT_TRUE(held.posterior().modes.empty());
 }
 

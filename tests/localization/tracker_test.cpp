@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "localization/scenes.hpp"
+#include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate::localization {
@@ -160,6 +161,35 @@ TEST(Tracker, GrowsUncertainWithoutContacts) {
   tracker.update({0.01, {}, {}});
   tracker.update({0.11, {}, {}});
   EXPECT_GT(tracker.posterior().modes.front().covariance.trace(), before);
+}
+
+TEST(Tracker, IsNotSureOfWhatItHasNotSeenForLong) {
+  Moving object("box", 6);
+  Tracker silent(object.model(), at(object.truth)), unheard(object.model(), at(object.truth));
+  EXPECT_GT(best_probability(silent.posterior()), 0.97);
+  for (int i = 0; i < 100; ++i) silent.update({0.1 * i, {}, {}});
+  EXPECT_LT(best_probability(silent.posterior()), 0.1);
+  EXPECT_EQ(silent.posterior().status, PoseStatus::ambiguous);
+  unheard.update({0, {}, {}});
+  unheard.update({3600, {}, {}});
+  EXPECT_LT(best_probability(unheard.posterior()), 0.01);
+}
+
+// The contacts of a body of revolution say nothing of its spin, however long they last.
+TEST(Tracker, KeepsAFreeAxisAndCarriesItAlong) {
+  Moving object("bottle", 3);
+  Posterior start = at(object.truth);
+  const Eigen::Vector3d axis(0, 0, 1);
+  const double extent = 2;
+  start.modes[0].free_axis = {object.truth.translation(), object.truth.linear() * axis, extent};
+  Tracker tracker(object.model(), start);
+  for (int i = 0; i < 100; ++i) tracker.update(object.next());
+  const Mode& mode = tracker.posterior().modes.front();
+  ASSERT_TRUE(mode.free_axis);
+  EXPECT_GT(mode.free_axis->direction.dot(object.truth.linear() * axis), std::cos(3 * kDegree));
+  EXPECT_LT((mode.free_axis->point - object.truth.translation()).norm(), 0.003);
+  EXPECT_EQ(mode.free_axis->extent, extent);
+  EXPECT_LT(best_probability(tracker.posterior()), 0.1);
 }
 
 TEST(Tracker, RefusesBadInput) {

@@ -313,5 +313,20 @@ TEST(Estimate, CovarianceIsInTheOrderOfRos) {
   EXPECT_TRUE(messages_of({}, {}, {}, {}, 5).pose.empty());
 }
 
+// About a vertical line 0.3 m before the origin in x.
+TEST(Estimate, CovarianceHasTheWholeFreeTurn) {
+  localization::Posterior posterior;
+  posterior.modes.resize(1);
+  posterior.modes[0].covariance.diagonal().setConstant(1e-4);
+  posterior.modes[0].free_axis = {Eigen::Vector3d(0.3, 0, 0), Eigen::Vector3d::UnitZ(), M_PI};
+  const auto messages =
+      messages_of(posterior, {}, {Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1)}, {}, 5);
+  const auto& covariance = messages.pose.at(0).pose.covariance;
+  const double turn = M_PI * M_PI / 3;
+  EXPECT_NEAR(covariance[6 * 5 + 5], turn, 1e-9);         // yaw
+  EXPECT_NEAR(covariance[6 * 3 + 3], 1e-4, 1e-9);         // roll
+  EXPECT_NEAR(covariance[6 * 1 + 5], -0.3 * turn, 1e-3);  // y with yaw
+}
+
 }  // namespace
 }  // namespace palpate::ros2

@@ -53,7 +53,7 @@ class HeldPoseFollower {
   /// What an estimate is made from.
   struct Task {
     EventLog log;                                  ///< the last readings
-    Eigen::Isometry3d T_world_palm;                ///< at the last of them
+    Eigen::Isometry3d motion;                      ///< of the object until the last of them
     std::optional<localization::PosePrior> prior;  ///< in the hand's base
     std::optional<localization::Posterior> known;  ///< the contacts add nothing; in the world
     std::uint64_t number = 0, epoch = 0;
@@ -96,8 +96,9 @@ class HeldPoseFollower {
   RandomStream random_;
   EventLog log_;  ///< of the last readings
   Eigen::Isometry3d T_world_palm_ = Eigen::Isometry3d::Identity();
-  Eigen::Isometry3d palm_of_estimate_ = Eigen::Isometry3d::Identity();
-  localization::Posterior known_;       ///< in the world, with the palm at palm_of_estimate_
+  Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity();  ///< of the object, in the world
+  Eigen::Isometry3d motion_of_known_ = Eigen::Isometry3d::Identity();  ///< until it was known
+  localization::Posterior known_;                                      ///< in the world
   std::vector<tactile::Contact> used_;  ///< a finger's last that were reckoned with; in the base
   double known_at_ = 0, touched_at_ = 0, asked_at_ = 0;  ///< s
   std::uint64_t tasks_ = 0, epoch_ = 0;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 #include "localization/likelihood/check_evidence.hpp"
 #include "localization/likelihood/contact_term.hpp"
@@ -32,6 +33,7 @@ constexpr std::size_t kMaxFrames = 50;  // that are remembered
 constexpr double kLoss = 12;            // of ln weight at which a hypothesis is dropped
 constexpr std::size_t kMaxHypotheses = 16;
 constexpr PoseTolerance kSamePose{0.026, 0.002};
+constexpr double kUnknown = 100;  // rad^2, m^2: variance of a pose of which nothing is known
 
 SearchPose search_pose(const Eigen::Isometry3d& T) {
   return {T.linear().cast<float>(), T.translation().cast<float>()};
@@ -65,6 +67,23 @@ double log_determinant(const Matrix6d& positive) {
   return 2 * Matrix6d(positive.llt().matrixL()).diagonal().array().log().sum();
 }
 
+/// Probability that a vector of this covariance is shorter than `length`: as of a chi-squared
+/// variable with the same mean and variance of the squared length (Satterthwaite), whose cube root
+/// is nearly normal (Wilson and Hilferty 1931).
+double probability_shorter(double length, const Eigen::Matrix3d& covariance) {
+  const double mean = covariance.trace(), half_variance = covariance.squaredNorm();
+  if (half_variance <= 0) return 1;
+  const double freedom = mean * mean / half_variance, spread = 2 / (9 * freedom);
+  const double z = (std::cbrt(length * length / mean) - 1 + spread) / std::sqrt(spread);
+  return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
+
+double probability_near(const Matrix6d& covariance) {
+  const PoseTolerance near;
+  return probability_shorter(near.rotation, covariance.topLeftCorner<3, 3>()) *
+         probability_shorter(near.translation, covariance.bottomRightCorner<3, 3>());
+}
+
 double mean_of(const std::vector<double>& values, std::size_t first, std::size_t last) {
   double sum = 0;
   for (std::size_t i = first; i < last; ++i) sum += values[i];
@@ -88,9 +107,17 @@ Tracker::Tracker(const geometry::ObjectModel& model, const Posterior& start,
     if (mode.weight <= 0 || hypotheses_.size() == kMaxHypotheses) continue;
     Matrix6d covariance = mode.covariance;
     covariance.diagonal().array() += 1e-8;
-    hypotheses_.push_back({mode.T_frame_object, covariance, std::log(mode.weight)});
+    hypotheses_.push_back({mode.T_frame_object, covariance, std::log(mode.weight), mode.free_axis});
   }
   publish();
+}
+
+void Tracker::Hypothesis::move_to(const Eigen::Isometry3d& pose) {
+  const Eigen::Isometry3d motion = pose * T.inverse();
+  T = pose;
+  if (!free_axis) return;
+  free_axis->point = motion * free_axis->point;
+  free_axis->direction = motion.linear() * free_axis->direction;
 }
 
 Tracker::TwistFit Tracker::fit_twist(const TrackFrame& frame, const Eigen::Vector3d& about) const {
@@ -116,9 +143,16 @@ double Tracker::twist_error_growth(double dt) const {
   return 2 * options_.correlation_time * dt * sliding + dt * dt * noise;
 }
 
-void Tracker::predict(const TrackFrame& frame, double dt, Hypothesis& hypothesis) const {
+/// @param gap  s since the frame before, of which the velocities hold for dt
+void Tracker::predict(const TrackFrame& frame, double dt, double gap,
+                      Hypothesis& hypothesis) const {
   const TwistFit fit = fit_twist(frame, hypothesis.T.translation());
-  hypothesis.T = moved(hypothesis.T, dt * fit.twist);
+  hypothesis.move_to(moved(hypothesis.T, dt * fit.twist));
+  const double unseen = gap - dt;
+  hypothesis.covariance.diagonal().head<3>().array() +=
+      std::min(kUnknown, std::pow(options_.turning * unseen, 2));
+  hypothesis.covariance.diagonal().tail<3>().array() +=
+      std::min(kUnknown, std::pow(options_.moving * unseen, 2));
   hypothesis.covariance += twist_error_growth(dt) * fit.covariance;
   hypothesis.covariance.diagonal().array() +=
       dt * kDrift * (Vector6d() << 1, 1, 1, 0.01, 0.01, 0.01).finished().array();
@@ -154,7 +188,7 @@ void Tracker::correct(const Evidence& evidence, double trust, const Eigen::Isome
     return 0.5 * x.dot(information * x) +
            trust * static_cast<double>(contacts.energy(search_pose(T), kNoBound));
   };
-  hypothesis.T = start;
+  hypothesis.move_to(start);
   double now = cost(start);
   Matrix6d H = information;
   for (int i = 0; i <= kIterations; ++i) {
@@ -169,7 +203,7 @@ void Tracker::correct(const Evidence& evidence, double trust, const Eigen::Isome
       const Eigen::Isometry3d to = moved(hypothesis.T, share * step);
       const double there = cost(to);
       if (there >= now) continue;
-      hypothesis.T = to;
+      hypothesis.move_to(to);
       now = there;
       break;
     }
@@ -276,8 +310,11 @@ void Tracker::publish() {
   double total = 0;
   for (const Hypothesis& h : hypotheses_) total += std::exp(h.log_weight);
   for (const Hypothesis& h : hypotheses_) {
-    posterior_.modes.push_back({h.T, std::exp(h.log_weight) / total, h.covariance, std::nullopt});
+    const double weight = std::exp(h.log_weight) / total * probability_near(h.covariance);
+    posterior_.modes.push_back({h.T, weight, h.covariance, h.free_axis});
   }
+  std::stable_sort(posterior_.modes.begin(), posterior_.modes.end(),
+                   [](const Mode& a, const Mode& b) { return a.weight > b.weight; });
   posterior_.status = status_of(posterior_.modes);
 }
 
@@ -290,13 +327,13 @@ const Posterior& Tracker::update(const TrackFrame& frame) {
   evidence.noise_scale_prior = evidence.size_prior = 0;  // a slip would pass for noise
   check_evidence(model_, evidence);
   if (started_ && frame.time <= time_) return posterior_;
-  const double dt = started_ ? std::min(frame.time - time_, kLongestGap) : 0.0;
+  const double gap = started_ ? frame.time - time_ : 0.0, dt = std::min(gap, kLongestGap);
   started_ = true;
   time_ = frame.time;
   if (dt > 0) learn_sliding(frame, dt);
   const Eigen::Isometry3d before = hypotheses_.front().T;
-  for (Hypothesis& hypothesis : hypotheses_) predict(frame, dt, hypothesis);
-  for (Hypothesis& hypothesis : before_slip_) predict(frame, dt, hypothesis);
+  for (Hypothesis& hypothesis : hypotheses_) predict(frame, dt, gap, hypothesis);
+  for (Hypothesis& hypothesis : before_slip_) predict(frame, dt, gap, hypothesis);
   remember(frame, hypotheses_.front().T * before.inverse());
   if (!frame.contacts.empty()) {
     watch_for_slip(evidence);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "palpate/core/random.hpp"
@@ -62,10 +63,11 @@ class Tracker {
   Tracker(const geometry::ObjectModel& model, const Posterior& start,
           const TrackerOptions& options = {}, RandomStream random = RandomStream(0, "tracker"));
 
-  /// The modes after the frame, heaviest first; at most 16.
+  /// The modes after the frame, heaviest first; at most 16. A mode's weight is the probability that
+  /// the object is within 5 deg and 10 mm of it (of its arc, where it has a free axis).
   ///
-  /// A frame that is no later than the one before changes nothing; one without contacts lets the
-  /// poses grow uncertain.
+  /// A frame that is no later than the one before changes nothing; one without contacts, or long
+  /// after the one before, lets the poses grow uncertain.
   /// @throws BadInput for values that are not finite or as many velocities as there are contacts
   ///         not
   const Posterior& update(const TrackFrame& frame);
@@ -78,6 +80,8 @@ class Tracker {
     Eigen::Isometry3d T;
     Matrix6d covariance;
     double log_weight = 0;
+    std::optional<FreeAxis> free_axis;  ///< carried along with the pose
+    void move_to(const Eigen::Isometry3d& pose);
   };
   struct TwistFit {
     Vector6d twist;  ///< [w; v] of the object, v at the point about which it was fitted
@@ -87,7 +91,7 @@ class Tracker {
   TwistFit fit_twist(const TrackFrame& frame, const Eigen::Vector3d& about) const;
   /// s^2, by which the variance of the twist goes into that of the pose.
   [[nodiscard]] double twist_error_growth(double dt) const;
-  void predict(const TrackFrame& frame, double dt, Hypothesis& hypothesis) const;
+  void predict(const TrackFrame& frame, double dt, double gap, Hypothesis& hypothesis) const;
   void learn_sliding(const TrackFrame& frame, double dt);
   void correct(const Evidence& evidence, double trust, const Eigen::Isometry3d& start,
                Hypothesis& hypothesis) const;
