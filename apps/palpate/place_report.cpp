@@ -7,6 +7,7 @@
 
 #include "common.hpp"
 #include "palpate/core/angle.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
 #include "rate_text.hpp"
@@ -126,12 +127,18 @@ void add_place_option(CLI::App& command, std::string& place) {
           "where to put the object down: 16 numbers of a pose of its centroid (or a file of them), "
           "x,y,yaw (m, rad; in the stable pose that it is found in), fixture (a slot), random, or "
           "stable_pose (another one than it starts in)")
-      ->option_text("POSE|fixture");
+      ->option_text("POSE|fixture")
+      ->check(CLI::Validator(
+          [](const std::string& text) { return text.empty() ? "an empty text is no target" : ""; },
+          "", "target"));
 }
 
 std::string place_text(const std::string& argument) {
   std::error_code error;
-  return std::filesystem::is_regular_file(argument, error) ? read_file(argument) : argument;
+  if (!std::filesystem::is_regular_file(argument, error)) return argument;
+  std::string text = read_file(argument);
+  if (text.empty()) throw BadInput(fmt::format("{}: an empty file is no target", argument));
+  return text;
 }
 
 std::string place_text(const evaluation::Trial& trial) {

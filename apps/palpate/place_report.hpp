@@ -13,6 +13,7 @@ namespace palpate::app {
 void add_place_option(CLI::App& command, std::string& place);
 
 /// The argument as options.place.target takes it: a file is read for the numbers in it.
+/// @throws BadInput for an empty file
 std::string place_text(const std::string& argument);
 
 /// How placing went, for a person; ends with a newline where there is anything to say.

@@ -79,6 +79,14 @@ void identify(const geometry::ObjectModel& object, const estimation::Candidates&
   metrics.error.rotation = metrics.error_no_symmetry.rotation = std::numbers::pi;
 }
 
+/// After a fault, be it one of placing what was picked well, nothing is held or estimated.
+void forget_pose(TrialMetrics& metrics) {
+  metrics.lifted = metrics.has_pose = false;
+  metrics.pose_ok = metrics.pose_tight = metrics.covered = false;
+  metrics.status = localization::PoseStatus::no_pose;
+  metrics.probability = 0;
+}
+
 /// To any side.
 void push_aside(simulation::World& world, std::uint64_t seed) {
   const double side = RandomStream(seed, "push").uniform(-std::numbers::pi, std::numbers::pi);
@@ -244,7 +252,7 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
   trial.events = trial_events(robot.log());
   trial.metrics.peak_load = faulty.peak_load();
   trial.metrics.peak_tip_force = faulty.peak_tip_force();
-  if (trial.result.fault) trial.metrics.lifted = trial.metrics.has_pose = false;
+  if (trial.result.fault) forget_pose(trial.metrics);
   if (trial.place) recorder.placement(*trial.place, fixture);
   return trial;
 }

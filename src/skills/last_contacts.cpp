@@ -5,11 +5,6 @@
 #include "palpate/skills/phase.hpp"
 
 namespace palpate::skills {
-namespace {
-
-constexpr double kReach = 0.4;  // m from the origin: where the object can be at all
-
-}  // namespace
 
 std::optional<Eigen::Vector2d> place_of_last_contacts(const Executor& robot) {
   const auto& readings = robot.log().readings;
@@ -25,8 +20,7 @@ std::optional<Eigen::Vector2d> place_of_last_contacts(const Executor& robot) {
         ++count;
       }
     }
-    const Eigen::Vector2d place = (reading->base.pose() * (sum / count)).head<2>();
-    return place.cwiseMax(-kReach).cwiseMin(kReach);
+    return (reading->base.pose() * (sum / count)).head<2>();
   }
   return std::nullopt;
 }

@@ -7,8 +7,7 @@
 
 namespace palpate::skills {
 
-/// Mean place over the table of the fingertip contacts sensed last, if any was sensed, m; within
-/// reach.
+/// Mean place over the table of the fingertip contacts sensed last, if any was sensed, m.
 std::optional<Eigen::Vector2d> place_of_last_contacts(const Executor& robot);
 
 }  // namespace palpate::skills

@@ -46,7 +46,6 @@ GraspChooser once(const grasping::GraspPlan& grasp) {
   };
 }
 
-constexpr double kClearOver = 0.03;  // m of the hand over what may stand, while it travels
 constexpr double kLowest = 0.1;      // m, of the mount where an object is to be grasped
 
 /// Why the mount cannot come to a place in any of the directions from which grasps are tried.
@@ -115,8 +114,7 @@ class Picking {
         choose_(choose),
         sequence_(robot, state_, result_.phases, result_.failed_phase, observer) {
     state_.place = options.estimation.place;
-    state_.clear_height =
-        std::max(state_.clear_height, tallest(estimator_.candidates()) + kClearOver);
+    state_.clear_height = std::max(state_.clear_height, clear_height_over(candidates));
     if (!options.fallen_at) return;
     state_.place = *options.fallen_at;
     result_.fallen = true;

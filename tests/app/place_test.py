@@ -3,7 +3,7 @@
 
 import json
 
-from cli import BAD_INPUT, CliTest, main
+from cli import BAD_INPUT, STOPPED, USAGE, CliTest, main
 
 QUICK = [
     "--set", "explore.touches=4", "--set", "explore.max_touches=4", "--set", "lift.hold=0.2",
@@ -23,6 +23,12 @@ class BadTargets(CliTest):
     def test_no_target(self):
         self.assert_bad_place("shelf", "shelf", "fixture")
         self.assert_bad_place("1,2,3,4", "16 numbers")
+
+    def test_an_empty_text(self):
+        for command in ["pick", "eval"]:
+            arguments = [command, "--object", "box", "--out", "new", "--place", ""]
+            self.assert_refused(USAGE, arguments, "--place", "empty")
+        self.assert_bad_place(self.write("pose.txt", ""), "pose.txt", "empty")
 
     def test_out_of_reach(self):
         self.assert_bad_place("0.9,0,0", "out of reach")
@@ -75,6 +81,26 @@ class Results(CliTest):
         poses = [mode["T_world_object"] for mode in replay["modes"]]
         picked = [mode["T_world_object"] for mode in report["estimate"]["modes"]]
         self.assertEqual(poses, picked)
+        self.check_fault(report["phases"], names)
+
+    def check_fault(self, phases, names):
+        """In the transport: the phases are reported, and no pose."""
+        transport = names.index("transport")
+        start = sum(phase["robot_seconds"] for phase in phases[:transport])
+        done = self.run_program(
+            "pick", "--object", "box", "--place", "0.15,0.1,0.5", "--seed", "7", "--out", "fault",
+            "--no-belief", "--json", "--set", "expert.fault.kind=load_nan",
+            "--set", f"expert.fault.from={start + 0.5}", *QUICK)  # fmt: skip
+        self.assertEqual(done.returncode, STOPPED, done.stderr)
+        report = json.loads(done.stdout)
+        self.assertEqual(report["status"], "fault")
+        self.assertEqual([fault["stopped"] for fault in report["faults"]], [True])
+        self.assertEqual(report["failed_phase"], "transport")
+        self.assertEqual([phase["name"] for phase in report["phases"]], names[:transport + 1])
+        self.assertEqual(report["phases"][-1]["status"], "fault")
+        self.assertIsNone(report["estimate"])
+        self.assertIsNone(report["place"])
+        self.assertFalse(report["held"])
 
     def test_the_fingers_are_reported(self):
         report = self.run_json(

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <string>
 
 #include "evaluation/quick_options.hpp"
 #include "palpate/core/error.hpp"
@@ -92,7 +94,8 @@ TEST(PlaceTrial, WhatIsShakenOutOfTheHandIsDropped) {
 }
 
 TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
-  const TrialOptions options = quick_place_options();
+  TrialOptions options = quick_place_options();
+  options.place.certain = 0.2504;  // hardly more than one of four poses has
   simulation::World world(box().object(), options.world, kSeed);
   world.reset(draw_start(box().object(), options.start, kSeed),
               waiting_command(world.hand_model()));
@@ -121,6 +124,16 @@ TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
       skills::place(robot, {box(), *target, {}, options.pick, options.place, kSeed}, picked);
   EXPECT_EQ(placed.status, skills::PlaceStatus::ambiguous);
   EXPECT_EQ(placed.failed_phase, "plan-goal");
+  ASSERT_FALSE(placed.phases.empty());
+  double agree = 1, required = 0;
+  const std::string& outcome = placed.phases.front().outcome;
+  EXPECT_EQ(
+      std::sscanf(outcome.c_str(), "ambiguous: %lf agree on where it would stand, %lf required",
+                  &agree, &required),
+      2)
+      << outcome;
+  EXPECT_LT(agree, required) << outcome;
+  EXPECT_EQ(required, options.place.certain) << outcome;
   EXPECT_FALSE(placed.certain);
   EXPECT_EQ(placed.phases.back().name, "withdraw");
   EXPECT_EQ(placed.phases.back().status, skills::PhaseStatus::ok) << placed.phases.back().outcome;

@@ -45,6 +45,18 @@ TEST(HeldObject, TiltAndHeightAreTakenFromTheTable) {
   EXPECT_LT(rotation_distance(believed.linear(), standing.linear()), 1e-6);
 }
 
+// What no mode holds agrees with nothing.
+TEST(HeldObject, CertaintyIsOfTheWholePosterior) {
+  const auto box = geometry::load_known_object("box");
+  localization::Posterior posterior;
+  localization::Mode& mode = posterior.modes.emplace_back();
+  mode.T_frame_object = resting_pose(box, 0, {0.03, 0.02}, 0.5);
+  mode.weight = 0.3;
+  const auto held = held_object(box, posterior, lifted_log({}), kLifted, {});
+  ASSERT_TRUE(held);
+  EXPECT_NEAR(held->certainty, 0.3, 1e-9);
+}
+
 TEST(HeldObject, WithoutAPoseOrAnEventThereIsNone) {
   const auto box = geometry::load_known_object("box");
   EXPECT_FALSE(held_object(box, {}, lifted_log({}), kLifted, {}));

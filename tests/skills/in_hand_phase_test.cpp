@@ -68,6 +68,19 @@ TEST(InHandReorientation, FindsTheShorterOfTheTurnsThatReach) {
   EXPECT_NEAR((*any - 0.15 * towards.normalized()).norm(), 0, 1e-9);
 }
 
+TEST(InHandReorientation, HasTheTimeThatItMayTake) {
+  const geometry::ObjectModel object(geometry::load_known_object("box"));
+  InHandReorientation turn;
+  InHandReorientationOptions options;
+  for (const double longest : {0.1, 16.0, 600.0}) {
+    options.reorient.longest = longest;
+    options.settle = 2;
+    const double limit = InHandReorientationPhase(options, object, 1, turn).time_limit();
+    EXPECT_GT(limit, longest + options.settle + 5);
+    EXPECT_LT(limit, longest + options.settle + 20);
+  }
+}
+
 /// A box that hangs in the hand after a quick pick, to be placed with the fingers' help.
 struct HeldBox {
   static constexpr std::uint64_t kSeed = 7;

@@ -160,6 +160,16 @@ TEST(ReorientInHand, NeedsNoRolloutsToGoOnHolding) {
   // Carried along alone few objects come near (3 of 27); none may be turned away.
   EXPECT_LT(error.rotation, kTurn.norm() + 0.02);
   EXPECT_GT(scene.world.truth().lowest_point, 0.02);  // it hangs
+
+  // Where the time for all of it ends, no step is planned for a motion that nobody makes.
+  options.longest = 100;
+  options.patience = 1000;
+  scene.robot->set_deadline(scene.robot->time() + options.pause + 0.2);
+  const auto late = reorient_in_hand(*scene.robot, scene.object, result.posterior,
+                                     turned(goal, -2 * kTurn), options, kSeed);
+  EXPECT_EQ(late.end, ReorientEnd::out_of_time);
+  EXPECT_EQ(late.steps, 1);
+  EXPECT_LT(late.seconds, options.pause + 0.25);
 }
 
 TEST(ReorientInHand, EndsWhereItComesNoNearer) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "evaluation/mishap.hpp"
 #include "palpate/core/error.hpp"
@@ -49,6 +51,60 @@ TEST(PickAndPlace, WhatFellOnTheWayIsFoundByTouchAndPickedAgain) {
   EXPECT_LT(mishap.off(*course.place), 0.03);
   EXPECT_EQ(course.strategy.strategy, PlaceStrategy::wrist);  // reported of the last hold, too
   EXPECT_EQ(course.strategy.reason, "asked for");
+}
+
+std::vector<std::string> names_of(const std::vector<PhaseReport>& phases) {
+  std::vector<std::string> names;
+  for (const PhaseReport& phase : phases) names.push_back(phase.name);
+  return names;
+}
+
+TEST(PickAndPlace, AFaultOfAPlacingKeepsThePhasesAndNoPose) {
+  evaluation::Mishap mishap;
+  mishap.options.place.strategy = "regrasp";
+  PickResult held;
+  int placings = 0;
+  const PhaseObserver observer{[&](std::string_view phase, double) {
+                                 if (phase == "transport")
+                                   mishap.robot.make_safe(Fault::excess_force, "50 N");
+                               },
+                               {},
+                               [&](const PickResult& picked) { held = picked; },
+                               [&](const PlaceResult&) { ++placings; }};
+  const auto course = pick_and_place(mishap.robot, mishap.task(), observer);
+  ASSERT_TRUE(held.held);
+  EXPECT_EQ(course.picked.fault.fault, Fault::excess_force);
+  EXPECT_EQ(course.picked.fault.detail, "50 N");
+  EXPECT_FALSE(course.picked.held);
+  EXPECT_TRUE(course.picked.estimate.posterior.modes.empty());
+  EXPECT_FALSE(course.place);
+  EXPECT_EQ(placings, 0);
+  EXPECT_EQ(course.picked.failed_phase, "transport");
+  auto expected = names_of(held.phases);
+  expected.insert(expected.end(), {"plan-goal", "transport"});
+  EXPECT_EQ(names_of(course.picked.phases), expected);
+  EXPECT_EQ(course.picked.phases.back().status, PhaseStatus::fault);
+  EXPECT_EQ(course.strategy.regrasp, RegraspStatus::stopped);
+  ASSERT_EQ(course.strategy.rounds.size(), 1u);
+  EXPECT_EQ(course.strategy.rounds.front().place, PlaceStatus::stopped);
+
+  // By itself a placing says the same of a robot that has stopped.
+  const PlaceResult placed = place(mishap.robot, mishap.task(), held, observer);
+  EXPECT_EQ(placed.status, PlaceStatus::stopped);
+  EXPECT_EQ(to_string(placed.status), "stopped");
+  EXPECT_FALSE(was_put_back(placed.status));
+  EXPECT_EQ(placed.fault.fault, Fault::excess_force);
+  EXPECT_EQ(names_of(placed.phases), std::vector<std::string>{"plan-goal"});
+  EXPECT_EQ(placed.failed_phase, "plan-goal");
+  EXPECT_FALSE(placed.T_world_placed);
+  EXPECT_EQ(placings, 0);
+
+  // So does regrasping, which ends after a pick that does not begin.
+  const RegraspResult result = regrasp(mishap.robot, mishap.task(), observer);
+  EXPECT_EQ(result.status, RegraspStatus::stopped);
+  EXPECT_EQ(to_string(result.status), "stopped");
+  ASSERT_EQ(result.rounds.size(), 1u);
+  EXPECT_EQ(result.rounds.front().pick.fault.fault, Fault::excess_force);
 }
 
 }  // namespace

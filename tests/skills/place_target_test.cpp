@@ -9,6 +9,7 @@
 #include <numbers>
 #include <set>
 
+#include "geometry/collider_meshes.hpp"
 #include "geometry/objects/stable_poses.hpp"
 #include "geometry/objects/symmetry.hpp"
 #include "palpate/core/error.hpp"
@@ -173,6 +174,32 @@ TEST(PlaceTarget, APoseThatDoesNotRestIsNamed) {
   for (const auto& v : box.mesh.vertices) low = std::min(low, (T * v).z());
   T.translation().z() -= low;
   EXPECT_NE(complaint(text_of(T)).find("does not rest"), std::string::npos);
+}
+
+// A body of revolution lies on any of its facets, of which only some are listed.
+TEST(PlaceTarget, ARoundObjectMayLieOnAnyOfItsSides) {
+  geometry::KnownObject can;
+  std::vector<Eigen::Vector2d> outline;
+  for (int k = 0; k < 64; ++k) {
+    const double angle = 2 * std::numbers::pi * k / 64;
+    outline.emplace_back(0.03 * std::cos(angle), 0.03 * std::sin(angle));
+  }
+  can.mesh = geometry::prism(outline, 0.16);
+  const Eigen::Vector3d centroid = geometry::mass_properties(can.mesh, 1).centroid;
+  for (auto& v : can.mesh.vertices) v -= centroid;
+  can.stable_poses = geometry::stable_poses(can.mesh, Eigen::Vector3d::Zero());
+  can.symmetries = geometry::rotational_symmetries(can.mesh, Eigen::Vector3d::Zero());
+  ASSERT_GT(can.symmetries.size(), 24u);
+  const auto lying = std::ranges::max_element(can.stable_poses, {}, [](const auto& stable_pose) {
+    return std::abs(stable_pose.R_table_object(0, 2));
+  });
+  const auto i = static_cast<std::size_t>(lying - can.stable_poses.begin());
+  const Eigen::Isometry3d T = resting_pose(can, i, {0.1, 0.1}, 0);
+  for (const auto& S : can.symmetries) {
+    Eigen::Isometry3d same = T;
+    same.linear() = T.linear() * S;
+    EXPECT_NO_THROW(parse_target(text_of(same), can, {}, kReach, 3)) << S;
+  }
 }
 
 /// A block whose top slopes by 6 deg: its half turn keeps the shape within tolerance, but maps no

@@ -127,12 +127,14 @@ TEST(PlanRegrasp, StandsALyingBottleUp) {
 
 TEST(PlanRegrasp, TurnsAMugOverBySettingItDownOnItsSide) {
   Table table("mug");
-  const auto from = table.resting({0, 0, -1}, 0.7, {0, 0});
+  const Eigen::Vector2d place(0.2, -0.1);
+  const auto from = table.resting({0, 0, -1}, 0.7, place);
   const auto to = table.resting({0, 0, 1}, 2.0, {0.05, 0.05});
   const auto plan = table.plan(from, to);
   ASSERT_TRUE(plan.found);
   EXPECT_EQ(plan.strategy, Strategy::regrasp);
   ASSERT_EQ(plan.transfers.size(), 2u);
+  EXPECT_LT((plan.transfers[0].T_world_to.translation().head<2>() - place).norm(), 1e-9);
   EXPECT_GE(plan.transfers[0].to, 0);
   expect_sound(table, plan, from, to);
   ASSERT_TRUE(report_of(plan, Strategy::carry));

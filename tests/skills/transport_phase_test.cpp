@@ -146,6 +146,20 @@ TEST(FindGoal, BringsTheObjectToTheTarget) {
   EXPECT_LT(std::abs(search.goal->base.ypr.x()), 1.6);  // the box is the same from behind
 }
 
+TEST(FindGoal, KnowsHowMuchLowerTheObjectHangs) {
+  const auto box = geometry::load_known_object("box");
+  Carrying carrying({});
+  HeldObject held;
+  held.T_base_object_flat.translation() << 0, 0, -0.3;
+  held.T_base_object_flat.linear() = box.stable_poses[0].R_table_object;
+  held.T_base_object = held.T_base_object_flat;
+  held.T_base_object.translation().z() -= 0.009;
+  const auto target = resting_pose(box, 0, {0.2, 0.1}, 0.0);
+  const auto search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});
+  ASSERT_TRUE(search.goal) << search.obstacle;
+  EXPECT_NEAR(search.goal->sunk, 0.009, 1e-6);
+}
+
 TEST(FindGoal, SaysWhatIsInTheWay) {
   const auto box = geometry::load_known_object("box");
   Carrying carrying({});

@@ -77,8 +77,8 @@ struct PlaceResult;
 struct PhaseObserver {
   std::function<void(std::string_view phase, double time)> on_begin;
   std::function<void(const PhaseReport& report, double time)> on_end;
-  std::function<void(const PickResult& picked)> on_picked = {};  ///< a pick has ended
-  std::function<void(const PlaceResult& placed)> on_placed = {};
+  std::function<void(const PickResult& picked)> on_picked = {};   ///< a pick has ended
+  std::function<void(const PlaceResult& placed)> on_placed = {};  ///< a placing, by no fault
 };
 
 /// The main job (thesis chapter 1): calibrate the hand, once a robot; measure how tall the object

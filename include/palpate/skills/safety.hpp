@@ -45,8 +45,8 @@ struct FaultReport {
   explicit operator bool() const { return fault != Fault::none; }
 };
 
-/// Thrown by an Executor that has stopped its hand. pick() and pick_and_place() catch it and report
-/// the fault in their results.
+/// Thrown by an Executor that has stopped its hand. pick(), place(), regrasp() and pick_and_place()
+/// catch it and report the fault in their results.
 class SafetyStop : public std::runtime_error {
  public:
   explicit SafetyStop(FaultReport report)

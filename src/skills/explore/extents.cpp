@@ -6,8 +6,9 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kTooHigh = 0.01;  // m that the probed height may be over the object's
-constexpr double kTooLow = 0.06;   // m that it may be under it, amply: hands have gaps
+constexpr double kTooHigh = 0.01;    // m that the probed height may be over the object's
+constexpr double kClearOver = 0.03;  // m of the hand over what may stand
+constexpr double kTooLow = 0.06;     // m that it may be under it, amply: hands have gaps
 
 double reach_of(const geometry::KnownObject& object, const geometry::StablePose& stable_pose) {
   double reach = 0;
@@ -38,6 +39,10 @@ double tallest(const estimation::Candidates& candidates) {
     }
   }
   return top;
+}
+
+double clear_height_over(const estimation::Candidates& candidates) {
+  return tallest(candidates) + kClearOver;
 }
 
 double likely_top(const estimation::Candidates& candidates, double measured) {

@@ -9,8 +9,11 @@ namespace palpate::skills {
 /// m above the table of the highest point that any candidate has in any stable pose.
 double tallest(const estimation::Candidates& candidates);
 
-/// The same in those stable poses that may be as tall as was `measured` (m): that may be a little
-/// too high, or much too low, for a flat hand comes down beside what is highest. At least
+/// m above the table at which the hand travels over any candidate, however it stands.
+double clear_height_over(const estimation::Candidates& candidates);
+
+/// As tallest() in those stable poses that may be as tall as was `measured` (m): that may be a
+/// little too high, or much too low, for a flat hand comes down beside what is highest. At least
 /// `measured`.
 double likely_top(const estimation::Candidates& candidates, double measured);
 

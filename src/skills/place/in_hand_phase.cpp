@@ -17,6 +17,7 @@ namespace palpate::skills {
 namespace {
 
 constexpr double kRegripSeconds = 0.3;
+constexpr double kMargin = 10.0;                       // s, for a last motion slower than asked for
 constexpr std::array<double, 2> kShares = {0.5, 1.0};  // of the longest turn that are tried
 
 Eigen::Vector3d limited(const Eigen::Vector3d& rotation, double most) {
@@ -70,6 +71,12 @@ std::optional<Eigen::Vector3d> turn_that_reaches(
     }
   }
   return std::nullopt;
+}
+
+double InHandReorientationPhase::time_limit() const {
+  const ReorientOptions& reorient = options_.reorient;
+  const double last_step = reorient.period + reorient.pause;
+  return reorient.longest + last_step + kRegripSeconds + options_.settle + kMargin;
 }
 
 PhaseEnd InHandReorientationPhase::run(Executor& robot, PickState& state) {

@@ -10,18 +10,34 @@
 namespace palpate::skills {
 namespace {
 
+void append(std::vector<PhaseReport>& phases, std::vector<PhaseReport>& more) {
+  phases.insert(phases.end(), std::make_move_iterator(more.begin()),
+                std::make_move_iterator(more.end()));
+  more.clear();
+}
+
 /// Keeps the phases in order: a pick's come after all that went before.
 void add(PickAndPlaceResult& course, PickResult picked) {
   std::vector<PhaseReport> phases = std::move(course.picked.phases);
-  const auto append = [&](std::vector<PhaseReport>& more) {
-    phases.insert(phases.end(), std::make_move_iterator(more.begin()),
-                  std::make_move_iterator(more.end()));
-    more.clear();
-  };
-  if (course.place) append(course.place->phases);
-  append(picked.phases);
+  if (course.place) append(phases, course.place->phases);
+  append(phases, picked.phases);
   course.picked = std::move(picked);
   course.picked.phases = std::move(phases);
+}
+
+/// Ends as a pick does that a fault has stopped: with what was done, and nothing known of the
+/// object.
+void end_by_fault(PickAndPlaceResult& course) {
+  PickResult& picked = course.picked;
+  if (course.place && course.place->fault) {
+    picked.fault = course.place->fault;
+    picked.failed_phase = course.place->failed_phase;
+    append(picked.phases, course.place->phases);
+  }
+  if (!picked.fault) return;
+  picked.held = false;
+  picked.estimate = {};
+  course.place.reset();
 }
 
 /// What the phase said that failed first, or else the one that found the goal.
@@ -52,14 +68,8 @@ class PlaceAttempts {
   }
 
   PickAndPlaceResult run() {
-    const PlaceStrategy strategy = place_strategy(task_.place);
-    try {
-      try_strategies(strategy);
-    } catch (const SafetyStop& stop) {
-      sequence_.picked.fault = stop.report();
-      sequence_.picked.held = false;
-      sequence_.place.reset();
-    }
+    try_strategies(place_strategy(task_.place));
+    end_by_fault(sequence_);
     return std::move(sequence_);
   }
 

@@ -38,6 +38,9 @@ double top_of(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T) {
   return top;
 }
 
+/// A share that falls short of a limit is not to read as if it reached it.
+double rounded_down(double share) { return std::floor(100 * share) / 100; }
+
 /// A phase made of a function.
 class ComputePhase : public Phase {
  public:
@@ -86,12 +89,20 @@ class Placement {
                                                 task.fixture)),
         sequence_(robot, state_, result_.phases, last_failed_, observer) {
     state_.estimate = picked.estimate;
+    state_.clear_height = std::max(state_.clear_height, clear_height_over({&task.object}));
   }
 
   PlaceResult run() {
     result_.on_the_way = task_.target.on_the_way;
-    execute();
-    if (result_.status == PlaceStatus::lost) sequence_.run(ClearPhase());
+    try {
+      execute();
+      if (result_.status == PlaceStatus::lost) sequence_.run(ClearPhase());
+    } catch (const SafetyStop& stop) {
+      result_.status = PlaceStatus::stopped;
+      result_.failed_phase = last_failed_;
+      result_.fault = stop.report();
+      result_.T_world_placed.reset();
+    }
     return std::move(result_);
   }
 
@@ -143,8 +154,8 @@ bool Placement::plan_goal() {
     result_.T_world_target = target_pose(task_.target, object_, held->found_stable_pose);
     result_.certain = held->certainty >= options_.certain;
     if (!result_.certain) {
-      return {false, fmt::format("ambiguous: {:.2f} agree on where it would stand, {:.2f} required",
-                                 held->certainty, options_.certain)};
+      return {false, fmt::format("ambiguous: {:.2f} agree on where it would stand, {} required",
+                                 rounded_down(held->certainty), options_.certain)};
     }
     status = PlaceStatus::unreachable;
     const GoalSearch search = search_goal(*held);
@@ -343,7 +354,7 @@ void Placement::execute() {
 PlaceResult place(Executor& robot, const PickAndPlaceTask& task, const PickResult& picked,
                   const PhaseObserver& observer) {
   PlaceResult result = Placement(robot, task, picked, observer).run();
-  if (observer.on_placed) observer.on_placed(result);
+  if (observer.on_placed && !result.fault) observer.on_placed(result);
   return result;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -33,6 +34,20 @@ std::string obstacle_at(const hand::BasePosition& base, const GoalOptions& optio
 hand::BasePosition raised(hand::BasePosition base, double by) {
   base.xyz.z() += by;
   return base;
+}
+
+/// m by which the object hangs lower in the hand than the goal counts on.
+double sunk_in_hand(const geometry::KnownObject& object, const HeldObject& held,
+                    const PlaceGoal& goal) {
+  constexpr double kMost = 0.015;  // m: more is an error of the estimate
+  const Eigen::Isometry3d T_world_base = goal.base.pose();
+  const auto lowest = [&](const Eigen::Isometry3d& T_base_object) {
+    const Eigen::Isometry3d T = T_world_base * T_base_object;
+    double low = std::numeric_limits<double>::infinity();
+    for (const auto& vertex : object.mesh.vertices) low = std::min(low, (T * vertex).z());
+    return low;
+  };
+  return std::clamp(lowest(goal.T_base_object) - lowest(held.T_base_object), 0.0, kMost);
 }
 
 double turn_between(const hand::BasePosition& a, const hand::BasePosition& b) {
@@ -67,7 +82,7 @@ std::optional<HeldObject> held_object(const geometry::KnownObject& object,
   held.T_base_object = localization::consensus(in_air, object.symmetries, same).T;
   held.found_stable_pose =
       nearest_stable_pose(object, (T_world_closed * best.T).linear()).stable_pose;
-  held.certainty = best.share;
+  held.certainty = best.share * (1 - posterior.residual_mass());
   return held;
 }
 
@@ -106,6 +121,7 @@ GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held
     }
     if (obstacle.empty()) {
       search.goal = goal;
+      search.goal->sunk = sunk_in_hand(object, held, goal);
       return search;
     }
     if (search.obstacle.empty()) search.obstacle = obstacle;

@@ -123,7 +123,7 @@ PlacePhase::Touchdown PlacePhase::lower(Executor& robot, const Eigen::Vector3d& 
   }
   contact_ = robot.command().base;
   height_error_ = robot.reading().base.xyz.z() - goal_.base.xyz.z();
-  if (height_error_ > options_.early) return Touchdown::early;
+  if (height_error_ > options_.early + goal_.sunk) return Touchdown::early;
   robot.move_base(moved(contact_, {0, 0, -options_.max_press}), options_.slow_speed,
                   load_below(-options_.press));
   // The object sank in the hand when it was lifted, so that any contact comes early, by more than a

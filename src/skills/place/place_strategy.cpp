@@ -62,7 +62,9 @@ std::string_view to_string(PlaceStatus status) {
     case PlaceStatus::missing:
       return "missing";
     case PlaceStatus::under_way:
-      return "under way";
+      return "under_way";
+    case PlaceStatus::stopped:
+      return "stopped";
   }
   return "";
 }

@@ -55,7 +55,10 @@ void check_pose(const geometry::KnownObject& object, const Eigen::Isometry3d& T)
     throw BadInput(fmt::format("the target is in the air: {} would hang {:.1f} mm over the table",
                                object.name, 1e3 * low));
   }
-  const double tilt = nearest_stable_pose(object, T.linear()).tilt;
+  double tilt = std::numbers::pi;  // of any of its symmetric copies: a can has many
+  for (const auto& S : object.symmetries) {
+    tilt = std::min(tilt, nearest_stable_pose(object, T.linear() * S).tilt);
+  }
   if (tilt > kMaxTilt) {
     throw BadInput(
         fmt::format("{} does not rest as the target has it: {:.1f} deg from a stable pose",

@@ -7,8 +7,8 @@
 namespace palpate::skills {
 namespace {
 
-constexpr std::array<std::string_view, 5> kStatusNames = {"done", "no_way", "not_held", "lost",
-                                                          "out_of_rounds"};
+constexpr std::array<std::string_view, 6> kStatusNames = {"done", "no_way",        "not_held",
+                                                          "lost", "out_of_rounds", "stopped"};
 
 constexpr int kWithoutWay = 2;  // rounds that find no way before it is given up
 
@@ -75,6 +75,7 @@ class Transfers {
 
   /// The course's status if this round is the last one.
   RegraspStatus end_of(const RegraspRound& round) const {
+    if (round.pick.fault || (round.place && round.place->fault)) return RegraspStatus::stopped;
     if (!round.pick.held) return RegraspStatus::not_held;
     if (round.place->status == PlaceStatus::lost) return RegraspStatus::lost;
     if (goes_on(round)) {
@@ -89,6 +90,9 @@ class Transfers {
     if (place.put_aside) task_.pick.fallen_at = place.put_aside;
     if (was_put_back(place.status)) return;
     task_.pick.fallen_at.reset();
+    if (place.status == PlaceStatus::placed) {
+      task_.pick.estimation.place = place.T_world_placed->translation().head<2>();
+    }
     if (place.status == PlaceStatus::lost) task_.pick.fallen_at = place.lost_at;
     if (place.status == PlaceStatus::missing && place.T_world_placed) {  // it fell over there
       task_.pick.fallen_at = place.T_world_placed->translation().head<2>();

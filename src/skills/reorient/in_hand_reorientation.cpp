@@ -62,10 +62,10 @@ class Reorientation {
   ReorientResult run(StepSampler& sampler) {
     ReorientResult result;
     const double begin = robot_.time();
-    rest();
+    bool late = !rest();
     auto end = look();
     while (!end) {
-      if (robot_.time() - begin > options_.longest) {
+      if (late || robot_.time() - begin > options_.longest) {
         end = ReorientEnd::out_of_time;
         break;
       }
@@ -80,8 +80,9 @@ class Reorientation {
         end = ReorientEnd::losing;
         break;
       }
-      robot_.move_fingers(targets_of(robot_, view_, chosen.motion), options_.period);
-      rest();
+      late = robot_.move_fingers(targets_of(robot_, view_, chosen.motion), options_.period) ==
+             MotionEnd::timed_out;
+      late = !rest() || late;
       displacement_ = chosen.displacement;
       end = look();
     }
@@ -94,7 +95,8 @@ class Reorientation {
   }
 
  private:
-  void rest() { robot_.wait(options_.pause); }
+  /// @return whether there was time for it
+  bool rest() { return robot_.wait(options_.pause) != MotionEnd::timed_out; }
 
   const Eigen::Isometry3d& tracked() const {
     return tracker_.posterior().modes.front().T_frame_object;

@@ -82,7 +82,7 @@ class Search {
       if (std::any_of(ups.begin(), ups.end(), [&](const auto& u) { return same(u, up); })) continue;
       ups.push_back(up);
       nodes_.push_back({static_cast<int>(i), true,
-                        resting_pose(object_.object(), i, Eigen::Vector2d::Zero(), 0),
+                        resting_pose(object_.object(), i, start.translation().head<2>(), 0),
                         1 - stable_poses[i].probability});
     }
     nodes_.push_back({-1, false, target, 0});

@@ -69,7 +69,7 @@ class InHandReorientationPhase : public Phase {
                            InHandReorientation& turn)
       : options_(options), object_(object), seed_(seed), turn_(turn) {}
   std::string_view name() const override { return "turn"; }
-  double time_limit() const override { return 60.0; }
+  double time_limit() const override;
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:

@@ -26,8 +26,11 @@ struct StrategyTaken {
 
 /// All picks and placings on the way of an object to its target.
 struct PickAndPlaceResult {
-  PickResult picked;                 ///< the last one, with the phases of all before
-  std::optional<PlaceResult> place;  ///< the last one; its phases are empty if a pick came after
+  /// The last one, with the phases of all before. It has the fault that stopped the robot, the
+  /// phase that this ended, and all phases, be it in a pick or in a placing.
+  PickResult picked;
+  /// The last one; its phases are empty if a pick came after. None after a fault.
+  std::optional<PlaceResult> place;
   StrategyTaken strategy;
 };
 

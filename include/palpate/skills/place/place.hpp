@@ -89,6 +89,7 @@ enum class PlaceStatus {
   stuck,        ///< it would not leave the hand, or could not be put back
   missing,      ///< it does not stand where it was put
   under_way,    ///< regrasping ended while it stood in another stable pose on the way to the target
+  stopped,      ///< a fault stopped the robot for good
 };
 std::string_view to_string(PlaceStatus status);
 
@@ -99,6 +100,7 @@ bool was_put_back(PlaceStatus status);
 struct PlaceResult {
   PlaceStatus status = PlaceStatus::lost;
   std::string failed_phase;  ///< empty if all went well
+  FaultReport fault;  ///< that stopped the robot for good: nothing is known of the object then
   std::vector<PhaseReport> phases;
   HeldObject held;
   bool certain = false;  ///< the pose was known well enough

@@ -41,6 +41,7 @@ struct PlaceGoal {
   Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();   ///< that it counts on
   hand::BasePosition base;                                           ///< object at the target
   hand::BasePosition above;                                          ///< object over it
+  double sunk = 0;  ///< m by which the object hangs lower than it counts on, and is met earlier
 };
 
 struct GoalSearch {

@@ -18,11 +18,12 @@ struct RegraspRound {
 };
 
 enum class RegraspStatus {
-  done,          ///< the object stands at the target, as far as was sensed
-  no_way,        ///< at last no chain of transfers led there
-  not_held,      ///< the object could not be picked up
-  lost,          ///< it fell, does not leave the hand, or is not where it was put
-  out_of_rounds  ///< transfers went wrong again and again
+  done,           ///< the object stands at the target, as far as was sensed
+  no_way,         ///< at last no chain of transfers led there
+  not_held,       ///< the object could not be picked up
+  lost,           ///< it fell, does not leave the hand, or is not where it was put
+  out_of_rounds,  ///< transfers went wrong again and again
+  stopped         ///< a fault stopped the robot for good, in the last round's pick or placing
 };
 std::string_view to_string(RegraspStatus status);
 
