@@ -136,10 +136,10 @@ int bench_contact(const BenchArguments& arguments) {
   if (!arguments.common.out.empty()) {
     const auto output = claim_output(arguments.common, {"contact.json"});
     write_file_atomically(std::filesystem::path(arguments.common.out) / "contact.json",
-                          report.dump(2) + "\n");
+                          json_text(report));
   }
   if (arguments.common.json) {
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
   } else {
     print_table(report);
   }

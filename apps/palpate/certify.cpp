@@ -88,10 +88,10 @@ int certify(const CertifyArguments& arguments) {
   if (!arguments.common.out.empty()) {
     const std::filesystem::path folder = arguments.common.out;
     const auto output = claim_output(arguments.common, {"report.json"});
-    write_file_atomically(folder / "report.json", report.dump(2) + "\n");
+    write_file_atomically(folder / "report.json", json_text(report));
   }
   if (arguments.common.json) {
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
   } else {
     print_result(estimate, correspondences.size());
     if (!certified && !hint.empty()) fmt::print("{}\n", hint);

@@ -31,7 +31,6 @@ void add_config(CLI::App& command, CommonOptions& options) {
 void add_seed(CLI::App& command, CommonOptions& options) {
   command.add_option("--seed", options.seed, "seed of all randomness")
       ->check(at_least(0))
-      ->type_name("N")
       ->capture_default_str();
 }
 
@@ -101,5 +100,11 @@ Eigen::Isometry3d parse_pose(const std::string& argument) {
 }
 
 nlohmann::json to_json(const Eigen::Isometry3d& T) { return pose_to_row_major(T); }
+
+std::string json_text(const nlohmann::json& value, int indent) {
+  return value.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+void print_json(const nlohmann::json& value) { fmt::print("{}", json_text(value)); }
 
 }  // namespace palpate::app

@@ -59,6 +59,14 @@ std::string config_header(const CommonOptions& common);
 
 nlohmann::json to_json(const Eigen::Isometry3d& T);
 
+/// JSON as the program prints and writes it, with a newline at its end. Bytes that are not UTF-8,
+/// as a file's name may have, become U+FFFD.
+/// @param indent  columns a level; -1: all in one line
+std::string json_text(const nlohmann::json& value, int indent = 2);
+
+/// The one JSON object that --json asks for, on stdout.
+void print_json(const nlohmann::json& value);
+
 /// Pose of 16 numbers, row-major, separated by commas or blanks, from the argument itself or the
 /// file that it names. @throws BadInput unless it is a pose
 Eigen::Isometry3d parse_pose(const std::string& argument);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -40,14 +41,11 @@ struct TwoSamples {
   const char* unit = "episode";
 };
 
-std::vector<double> episode_returns(const CompareArguments& arguments,
-                                    const RelocateOptions& options, const std::string& name) {
-  if (!is_policy(name)) return read_returns(name);
-  const auto policy = find_policy(name);
-  return relocate::returns(relocate::rollout(relocate::make_model(options.task), *policy,
-                                             options.episode, arguments.common.seed,
-                                             arguments.episodes, arguments.common.threads));
-}
+/// A policy, or the returns of its episodes where these were run before.
+struct Candidate {
+  std::unique_ptr<relocate::Policy> policy;
+  std::vector<double> returns;
+};
 
 std::vector<std::string> names_in(const std::string& list) {
   std::vector<std::string> names;
@@ -60,37 +58,59 @@ std::vector<std::string> names_in(const std::string& list) {
   return names;
 }
 
-std::vector<double> training_means(const CompareArguments& arguments,
-                                   const RelocateOptions& options,
-                                   const std::vector<std::string>& names) {
-  std::vector<double> means;
-  for (const auto& name : names) means.push_back(mean(episode_returns(arguments, options, name)));
-  return means;
+/// Reads a file once, for it may be a pipe.
+std::vector<Candidate> load_candidates(const std::vector<std::string>& names) {
+  std::vector<Candidate> candidates;
+  for (const auto& name : names) {
+    is_policy(name) ? candidates.push_back({find_policy(name), {}})
+                    : candidates.push_back({nullptr, read_returns(name)});
+  }
+  return candidates;
 }
 
+/// The candidates for A and B.
+struct Candidates {
+  std::vector<Candidate> a, b;
+};
+
 /// Before any episode is run. @throws BadInput for a name that is none, or too few names
-void check_names(const CompareArguments& arguments) {
+Candidates load_candidates(const CompareArguments& arguments) {
   const auto a = names_in(arguments.a), b = names_in(arguments.b);
   const auto fewer = std::min(a.size(), b.size()), more = std::max(a.size(), b.size());
   if (fewer < 2 && more > 1) {
     throw BadInput(fmt::format("{} trainings against {}: at least two of each, or one file each",
                                a.size(), b.size()));
   }
-  for (const auto& names : {a, b}) {
-    for (const auto& name : names)
-      is_policy(name) ? void(find_policy(name)) : void(read_returns(name));
-  }
+  return {load_candidates(a), load_candidates(b)};
 }
 
-TwoSamples gather(const CompareArguments& arguments, const RelocateOptions& options) {
-  const auto a = names_in(arguments.a), b = names_in(arguments.b);
+std::vector<double> episode_returns(const CompareArguments& arguments,
+                                    const RelocateOptions& options, const Candidate& candidate) {
+  if (!candidate.policy) return candidate.returns;
+  return relocate::returns(relocate::rollout(relocate::make_model(options.task), *candidate.policy,
+                                             options.episode, arguments.common.seed,
+                                             arguments.episodes, arguments.common.threads));
+}
+
+std::vector<double> training_means(const CompareArguments& arguments,
+                                   const RelocateOptions& options,
+                                   const std::vector<Candidate>& candidates) {
+  std::vector<double> means;
+  for (const Candidate& candidate : candidates) {
+    means.push_back(mean(episode_returns(arguments, options, candidate)));
+  }
+  return means;
+}
+
+TwoSamples gather(const CompareArguments& arguments, const RelocateOptions& options,
+                  const Candidates& candidates) {
+  const auto& [a, b] = candidates;
   if (a.size() != 1 || b.size() != 1) {
     return {training_means(arguments, options, a), training_means(arguments, options, b), false,
             "training"};
   }
   return {episode_returns(arguments, options, a.front()),
-          episode_returns(arguments, options, b.front()),
-          is_policy(a.front()) && is_policy(b.front())};
+          episode_returns(arguments, options, b.front()), a.front().policy && b.front().policy};
 }
 
 json test_json(const std::optional<numerics::TestResult>& test) {
@@ -226,10 +246,10 @@ void refuse_options_of_rollouts(const CompareArguments& arguments, const CLI::Ap
 int compare(const CompareArguments& arguments, const CLI::App& command) {
   const auto& common = arguments.common;
   const auto options = resolve<RelocateOptions>(common);
-  check_names(arguments);
+  const Candidates candidates = load_candidates(arguments);
   const auto output = claim_output(common, {"compare.json"});
   std::optional<Notice> notice(std::in_place, "running episodes", common.quiet);
-  const TwoSamples samples = gather(arguments, options);
+  const TwoSamples samples = gather(arguments, options, candidates);
   notice.reset();
   const auto comparison =
       numerics::compare_samples(samples.a, samples.b, RandomStream(common.seed, "compare"));
@@ -237,12 +257,12 @@ int compare(const CompareArguments& arguments, const CLI::App& command) {
       comparison_json(comparison, samples, RandomStream(common.seed, "interquartile mean"));
   if (!common.out.empty()) {
     const std::filesystem::path folder = common.out;
-    write_file_atomically(folder / "compare.json", report.dump(2) + "\n");
+    write_file_atomically(folder / "compare.json", json_text(report));
     write_file_atomically(folder / "histogram.svg", plotting::to_svg(histogram_plot(samples)));
     write_file_atomically(folder / "normal-plot.svg", plotting::to_svg(normal_plots(samples)));
   }
   if (common.json) {
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
   } else {
     print_table(comparison, samples, report);
   }

@@ -82,7 +82,7 @@ int make(const MakeArguments& arguments) {
                        {"success_2cm", summary.success_2cm},
                        {"seconds", seconds}};
   if (common.json) {
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
   } else {
     fmt::print("{} of {} sequences succeeded; return {:.0f} +- {:.0f}; {:.0f} s\nwrote {}\n",
                set.kept.size(), set.tried, summary.mean, summary.sd, seconds, folder.string());
@@ -161,7 +161,7 @@ int retarget(const RetargetArguments& arguments) {
     const json out = {{"frames", report.frames},       {"replaced", report.replaced},
                       {"tip_error_mm", report.tip_mm}, {"middle_error_mm", report.middle_mm},
                       {"ms_per_frame", report.ms},     {"largest_step_rad", report.largest_step}};
-    fmt::print("{}\n", out.dump(2));
+    print_json(out);
   } else {
     fmt::print(
         "{} frames, {} joints filled in: tips {:.1f} mm, middle joints {:.1f} mm off; {:.2f} ms a "

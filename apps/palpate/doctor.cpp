@@ -108,7 +108,7 @@ std::vector<Check> all_checks() {
           check_data()};
 }
 
-void print_json(const std::vector<Check>& checks) {
+void print_checks_as_json(const std::vector<Check>& checks) {
   auto list = nlohmann::json::array();
   for (const Check& check : checks) {
     list.push_back({{"name", check.name},
@@ -116,7 +116,7 @@ void print_json(const std::vector<Check>& checks) {
                     {"required", check.required},
                     {"hint", check.hint}});
   }
-  fmt::print("{}\n", nlohmann::json{{"checks", list}}.dump(2));
+  print_json(nlohmann::json{{"checks", list}});
 }
 
 int doctor(bool as_json) {
@@ -124,7 +124,7 @@ int doctor(bool as_json) {
   const bool ready = std::all_of(checks.begin(), checks.end(),
                                  [](const Check& check) { return check.ok || !check.required; });
   if (as_json) {
-    print_json(checks);
+    print_checks_as_json(checks);
   } else {
     for (const Check& check : checks) {
       const std::string_view status =

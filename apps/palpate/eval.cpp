@@ -177,7 +177,7 @@ struct EvalOutput {
                  {"trials", plan.trials},
                  {"shard", fmt::format("{}/{}", arguments.shard.number, arguments.shard.count)},
                  {"threads", arguments.common.threads}});
-    write_file_atomically(folder.path() / "manifest.json", made.dump(2) + "\n");
+    write_file_atomically(folder.path() / "manifest.json", json_text(made));
   }
 
   void add(const std::string& object, std::uint64_t seed, const evaluation::Trial& trial) {
@@ -313,7 +313,7 @@ int eval(EvalArguments arguments) {
   const json summary = report.finish();
   if (output) {
     output->table.write();
-    write_file_atomically(folder / "eval.json", summary.dump(2) + "\n");
+    write_file_atomically(folder / "eval.json", json_text(summary));
   }
   if (output && !arguments.common.json) {
     fmt::print("wrote {}: eval.json, config.toml, trials.csv, trials.jsonl\n", folder.string());

@@ -144,9 +144,9 @@ int eval_faults(const evaluation::TrialOptions& options, const CommonOptions& co
     }
     report["faults"][name] = summary_json(sum);
     if (!common.json) print_row(name, sum);
-    if (output) write_file_atomically(path, report.dump(2) + "\n");
+    if (output) write_file_atomically(path, json_text(report));
   }
-  if (common.json) fmt::print("{}\n", report.dump(2));
+  if (common.json) print_json(report);
   if (!common.json) fmt::print("* wrong with a stated probability above 0.9\n");
   return kDone;
 }

@@ -112,7 +112,7 @@ json EvalReport::finish() {
   report_["all"] = summary_json(all_);
   report_["all"].erase("symmetry_order");
   if (json_) {
-    fmt::print("{}\n", report_.dump(2));
+    print_json(report_);
     return report_;
   }
   print_row("all", name_width_, all_);

@@ -21,14 +21,36 @@ struct ExportArguments {
   bool force = false, json = false;
 };
 
-/// @throws BadInput for a file that is there and may not be overwritten, or whose folder is not
+/// Whether a path is that of the recording, or of a folder around it.
+bool holds_recording(const fs::path& path, const fs::path& recording) {
+  std::error_code error;
+  for (fs::path at = fs::canonical(recording, error); at.has_relative_path();
+       at = at.parent_path()) {
+    if (fs::equivalent(at, path, error)) return true;
+  }
+  return false;
+}
+
+/// Where it is written, unless that would replace the recording.
+fs::path path_of(const ExportArguments& arguments) {
+  fs::path path = arguments.out;
+  if (path.empty()) path = fs::path(arguments.recording).replace_extension("." + arguments.format);
+  if (!holds_recording(path, arguments.recording)) return path;
+  throw BadInput(
+      fmt::format("{} is the recording, or holds it, and is not overwritten", path.string()));
+}
+
+/// @throws BadInput for what is there and may not be overwritten, or whose folder is not
 fs::path target_of(const ExportArguments& arguments) {
-  fs::path target = arguments.out;
-  if (target.empty()) target = fs::path(arguments.recording).replace_extension(".mcap");
+  const fs::path target = path_of(arguments);
   const fs::path folder = target.has_parent_path() ? target.parent_path() : ".";
   if (!fs::is_directory(folder)) {
     throw BadInput(
         fmt::format("there is no folder {} for {}", folder.string(), target.filename().string()));
+  }
+  if (fs::exists(target) && !fs::is_regular_file(target)) {
+    throw BadInput(fmt::format("{} is {}, and an MCAP is a file", target.string(),
+                               fs::is_directory(target) ? "a folder" : "no file"));
   }
   if (fs::exists(target) && !arguments.force) {
     throw BadInput(fmt::format("{} exists; --force overwrites it", target.string()));
@@ -38,8 +60,10 @@ fs::path target_of(const ExportArguments& arguments) {
 
 /// By the Python package, which has the libraries for it: becomes its command.
 int export_by_python(const ExportArguments& arguments) {
+  path_of(arguments);
   constexpr const char* kProgram =
       "import sys\n"
+      "if sys.path[:1] == ['']: del sys.path[0]\n"  // modules in the current folder are not ours
       "try:\n"
       "    from palpate.export import main\n"
       "except ImportError as problem:\n"
@@ -67,7 +91,7 @@ int export_recording(const ExportArguments& arguments) {
   const std::uint64_t messages = ros2::export_mcap(recording, target);
   notice.reset();
   if (arguments.json) {
-    fmt::print("{}\n", nlohmann::json{{"path", target.string()}, {"messages", messages}}.dump(2));
+    print_json(nlohmann::json{{"path", target.string()}, {"messages", messages}});
   } else {
     fmt::print("wrote {}: {} messages\nNext: palpate replay {}\n", target.string(), messages,
                target.string());

@@ -145,7 +145,7 @@ int check(const CheckArguments& arguments) {
   const auto loaded = load_hand_with_progress(arguments.hand, arguments.common.quiet);
   if (!arguments.render.empty()) draw_postures(loaded.hand, arguments.render);
   if (arguments.common.json) {
-    fmt::print("{}\n", hand_json(loaded).dump(2));
+    print_json(hand_json(loaded));
   } else {
     print_hand(loaded);
     if (!arguments.render.empty())
@@ -163,7 +163,7 @@ int render(const CheckArguments& arguments) {
   if (arguments.common.json) {
     auto paths = nlohmann::json::array();
     for (const fs::path& file : files) paths.push_back(file.string());
-    fmt::print("{}\n", nlohmann::json{{"pictures", paths}}.dump(2));
+    print_json(nlohmann::json{{"pictures", paths}});
   } else {
     for (const fs::path& file : files) fmt::print("{}\n", file.string());
     print_next(arguments.common, "palpate hand check " + arguments.hand);
@@ -195,7 +195,7 @@ int list(const CommonOptions& common) {
   const auto hands = simulation::stored_hands(), arms = simulation::stored_arms();
   if (common.json) {
     const nlohmann::json report = {{"hands", stored_json(hands)}, {"arms", stored_json(arms)}};
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
     return kDone;
   }
   print_stored("hand", hands);
@@ -209,7 +209,7 @@ int install(const CommonOptions& common, const std::string& name) {
   const fs::path file = simulation::install_hand(name);
   notice.reset();
   if (common.json) {
-    fmt::print("{}\n", nlohmann::json{{"path", file.string()}}.dump(2));
+    print_json(nlohmann::json{{"path", file.string()}});
   } else {
     const auto arms = simulation::stored_arms();
     const bool arm = std::ranges::find(arms, name, &simulation::StoredHand::name) != arms.end();

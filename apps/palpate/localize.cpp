@@ -262,12 +262,12 @@ int localize(const LocalizeArguments& arguments, const CLI::App& command) {
   if (!arguments.common.out.empty()) {
     const std::filesystem::path folder = arguments.common.out;
     const auto output = claim_output(arguments.common, {"report.json", "config.toml"});
-    write_file_atomically(folder / "report.json", report.dump(2) + "\n");
+    write_file_atomically(folder / "report.json", json_text(report));
     write_file_atomically(folder / "config.toml",
                           config_header(arguments.common) + to_toml(options));
   }
   if (arguments.common.json) {
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
   } else {
     print_result(result);
   }

@@ -245,8 +245,7 @@ int demonstrate_localize(const CommonOptions& common) {
   }
   write_plots(folder, findings);
   if (common.json) {
-    fmt::print("{}\n",
-               nlohmann::json{{"objects", findings.objects}, {"out", folder.string()}}.dump(2));
+    print_json(nlohmann::json{{"objects", findings.objects}, {"out", folder.string()}});
   } else {
     fmt::print(
         "wrote {1}: success.svg, ablation.svg, calibration.svg, contacts.csv (20 of the {0}), "

@@ -88,7 +88,7 @@ int merge(const MergeArguments& arguments) {
   const auto summary = report.finish();
   if (table) table->write();
   if (!folder) return kDone;
-  write_file_atomically(folder->path() / "eval.json", summary.dump(2) + "\n");
+  write_file_atomically(folder->path() / "eval.json", json_text(summary));
   print_next(common, fmt::format("palpate pick --object {} --seed {} repeats the first trial, and "
                                  "draws it",
                                  plan.objects.front(), plan.seed));

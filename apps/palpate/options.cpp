@@ -72,7 +72,7 @@ List list_of(const Listed& listed, bool expert) {
   return list;
 }
 
-void print_json(const std::vector<List>& lists) {
+void print_lists_as_json(const std::vector<List>& lists) {
   auto all = nlohmann::json::array();
   for (const auto& [command, options] : lists) {
     for (const OptionInfo& option : options) {
@@ -84,7 +84,7 @@ void print_json(const std::vector<List>& lists) {
                      {"help", option.doc}});
     }
   }
-  fmt::print("{}\n", nlohmann::json{{"options", all}}.dump(2));
+  print_json(nlohmann::json{{"options", all}});
 }
 
 void print_text(const std::vector<OptionInfo>& options) {
@@ -132,7 +132,7 @@ void add_options(CLI::App& program, Command& chosen) {
       std::vector<List> lists;
       for (const Listed& one : listed(fmt::format("{}", fmt::join(arguments->command, " "))))
         lists.push_back(list_of(one, arguments->expert));
-      arguments->common.json ? print_json(lists) : print_text(lists);
+      arguments->common.json ? print_lists_as_json(lists) : print_text(lists);
       return kDone;
     };
   });

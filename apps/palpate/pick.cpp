@@ -146,11 +146,11 @@ int pick(const PickArguments& arguments) {
   write_file_atomically(folder / "config.toml", config);
   auto report = trial_json(trial, objects.names);
   report.update({{"object", names}, {"seed", common.seed}, {"version", version()}});
-  write_file_atomically(folder / "report.json", report.dump(2) + "\n");
+  write_file_atomically(folder / "report.json", json_text(report));
   write_file_atomically(folder / "replay.html", replay_html(folder / "recording.h5", title));
   notice.reset();
   if (common.json) {
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
   } else {
     fmt::print("{}\n{}wrote {}: recording.h5, config.toml, report.json, replay.html\n",
                outcome_text(trial, objects.names), place_text(trial), folder.string());

@@ -127,7 +127,7 @@ void write_results(const PlanArguments& arguments, const PlanSettings& settings,
                    const std::optional<pl::TrackingError>& tracking) {
   const std::filesystem::path folder = arguments.common.out;
   const auto output = claim_output(arguments.common, {"report.json", "path.csv", "path.svg"});
-  write_file_atomically(folder / "report.json", plan_report(plan, tracking).dump(2) + "\n");
+  write_file_atomically(folder / "report.json", json_text(plan_report(plan, tracking)));
   write_file_atomically(folder / "config.toml",
                         config_header(arguments.common) + to_toml(settings));
   if (plan.samples.empty()) return;
@@ -188,7 +188,7 @@ int plan(const PlanArguments& arguments, const CLI::App& command) {
   if (result.status != pl::PlanStatus::invalid && !arguments.common.out.empty()) {
     write_results(arguments, settings, setting.hand, result, tracking);
   }
-  if (arguments.common.json) fmt::print("{}\n", plan_report(result, tracking).dump(2));
+  if (arguments.common.json) print_json(plan_report(result, tracking));
   if (result.status == pl::PlanStatus::invalid) throw BadInput(describe_invalid(result.invalid));
   if (!arguments.common.json) print_result(result, tracking);
   if (ok) print_next_of(arguments, command);

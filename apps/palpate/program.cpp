@@ -4,8 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <exception>
+#include <iostream>
+#include <sstream>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -73,6 +78,7 @@ int run(std::span<const AddCommand> commands, int argc, char** argv) {
       "fault.");
   Command chosen;
   for (const AddCommand add : commands) add(program, chosen);
+  read_whole_numbers_as_decimal(program);
   try {
     std::vector<std::string> arguments(argv + 1, argv + argc);
     if (!arguments.empty() && arguments.front() == "help") {
@@ -81,21 +87,53 @@ int run(std::span<const AddCommand> commands, int argc, char** argv) {
     std::ranges::reverse(arguments);  // as CLI11 takes them
     program.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? kDone : kUsage;
+    std::ostringstream help;
+    const int code = program.exit(error, help, std::cerr);
+    fmt::print("{}", help.str());
+    return code == 0 ? kDone : kUsage;
   }
   return run_command(program, chosen);
+}
+
+/// Not by fmt::print, which throws where stderr takes nothing.
+void complain(const std::string& what) {
+  std::fputs(fmt::format("palpate: {}\n", what).c_str(), stderr);
+}
+
+/// A reader that has gone away, as `head` does, wants nothing more and is told nothing.
+void complain_of_output(const std::error_code& reason) {
+  if (reason == std::errc::broken_pipe) return;
+  complain(fmt::format("cannot write the output{}", reason ? ": " + reason.message() : ""));
+}
+
+/// Sends what is printed on its way, for who reads it must not take a part for the whole.
+/// @return the exit code after one of a command
+int end_output(int code) {
+  errno = 0;
+  const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+  const std::error_code reason(errno, std::generic_category());
+  if (!lost || reason == std::errc::broken_pipe) return code;
+  complain_of_output(reason);
+  return code == kDone ? kBadInput : code;
 }
 
 }  // namespace
 
 int run_program(std::span<const AddCommand> commands, int argc, char** argv) {
   try {
-    return run(commands, argc, argv);
+    return end_output(run(commands, argc, argv));
   } catch (const BadInput& error) {
-    fmt::print(stderr, "palpate: {}\n", error.what());
+    complain(error.what());
+    return kBadInput;
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) == 0) {
+      complain(fmt::format("unexpected failure: {}", error.what()));
+      return 1;
+    }
+    complain_of_output(error.code());
     return kBadInput;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "palpate: unexpected failure: {}\n", error.what());
+    complain(fmt::format("unexpected failure: {}", error.what()));
     return 1;
   }
 }

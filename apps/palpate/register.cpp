@@ -5,6 +5,7 @@
 
 #include "common.hpp"
 #include "given_command.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/geometry/cloud/outlier_filter.hpp"
 #include "palpate/geometry/io/point_cloud_io.hpp"
@@ -177,7 +178,7 @@ void write_results(const CommonOptions& common, const RegisterOptions& options,
   const auto output = claim_output(common, {"report.json", "config.toml", "correspondences.csv",
                                             "weights.csv", "source_in_target.ply"});
   const auto& result = outcome.registration.result;
-  write_file_atomically(folder / "report.json", outcome_report(outcome).dump(2) + "\n");
+  write_file_atomically(folder / "report.json", json_text(outcome_report(outcome)));
   write_file_atomically(folder / "config.toml", config_header(common) + to_toml(options));
   write_file_atomically(folder / "correspondences.csv",
                         correspondences_csv(outcome.registration.correspondences, result));
@@ -219,7 +220,7 @@ int register_command(const RegisterArguments& arguments, const CLI::App& command
   const rg::RegistrationResult& result = outcome.registration.result;
   write_results(arguments.common, options, outcome);
   if (arguments.common.json) {
-    fmt::print("{}\n", outcome_report(outcome).dump(2));
+    print_json(outcome_report(outcome));
   } else {
     print_report(result, outcome.hint);
     outcome.clouds ? print_features(outcome.registration) : print_bound(result);

@@ -11,7 +11,9 @@
 #include <filesystem>
 #include <sstream>
 
+#include "csv_header.hpp"
 #include "palpate/core/assets.hpp"
+#include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/spelling.hpp"
@@ -26,12 +28,19 @@ constexpr std::array<std::string_view, 4> kShipped = {"relocate-best", "relocate
                                                       "relocate-memoryless", "relocate-box"};
 constexpr const char* kHeader = "return,distance,steps_within_5cm,diverged";
 
-double number_before_comma(const std::string& line) {
+constexpr double kMinReturn = 1e-30, kMaxReturn = 1e12;  // sizes of which squares can be computed
+
+double number_before_comma(std::string_view line) {
   double value = 0;
   const char* const end = line.data() + line.size();
   const auto [rest, error] = std::from_chars(line.data(), end, value);
   if (error != std::errc() || rest == end || *rest != ',' || !std::isfinite(value)) {
     throw BadInput(fmt::format("'{}' is no row of {}", line, kHeader));
+  }
+  const double size = std::abs(value);
+  if (size > kMaxReturn || (size > 0 && size < kMinReturn)) {
+    throw BadInput(fmt::format("a return of {}: its size is neither 0 nor from {:g} to {:g}", value,
+                               kMinReturn, kMaxReturn));
   }
   return value;
 }
@@ -98,16 +107,17 @@ std::string episodes_csv(const std::vector<relocate::Episode>& episodes) {
 }
 
 std::vector<double> read_returns(const std::string& path) {
-  std::istringstream lines(read_file(path));
+  const std::string text = read_file(path);
+  std::istringstream lines{std::string(without_byte_order_mark(text))};
   std::string line;
   std::getline(lines, line);
-  if (line != kHeader) {
-    throw BadInput(fmt::format("{}:1: '{}' is not the header {}", path, line, kHeader));
+  if (trimmed(line) != kHeader) {
+    throw BadInput(fmt::format("{}:1: '{}' is not the header {}", path, trimmed(line), kHeader));
   }
   std::vector<double> result;
   for (int number = 2; std::getline(lines, line); ++number) {
     try {
-      result.push_back(number_before_comma(line));
+      result.push_back(number_before_comma(trimmed(line)));
     } catch (const BadInput& error) {
       throw BadInput(fmt::format("{}:{}: {}", path, number, error.what()));
     }

@@ -226,7 +226,7 @@ int render(const RenderArguments& arguments) {
     if (arguments.common.json) continue;
     fmt::print("{:<12} {:7.2f} s  {}\n", picture.phase, picture.time, picture.file.string());
   }
-  if (arguments.common.json) fmt::print("{}\n", nlohmann::json{{"files", files}}.dump(2));
+  if (arguments.common.json) print_json(nlohmann::json{{"files", files}});
   if (pictures.empty()) return kDone;
   print_next(arguments.common, fmt::format("open {} in a browser", pictures.back().file.string()));
   return kDone;

@@ -131,12 +131,11 @@ Replayed replay_bag(const ReplayArguments& arguments) {
 }
 
 /// A recording names its object, hand and instant itself.
-void refuse_bag_options(const CLI::App& command, const std::string& recording) {
-  for (const char* const name : {"--object", "--hand", "--at", "--world-frame", "--mount-frame",
-                                 "--joint-states", "--contacts"}) {
-    if (command.count(name) == 0) continue;
-    throw BadInput(
-        fmt::format("{} is an option of bags (MCAP), and {} is not one", name, recording));
+void refuse_bag_options(const std::vector<CLI::Option*>& of_bags, const std::string& recording) {
+  for (const CLI::Option* const option : of_bags) {
+    if (option->count() == 0) continue;
+    throw BadInput(fmt::format("{} is an option of bags (MCAP), and {} is not one",
+                               option->get_name(), recording));
   }
 }
 
@@ -151,7 +150,7 @@ int replay(const ReplayArguments& arguments) {
     report.update({{"path", arguments.recording},
                    {"messages", replayed.messages},
                    {"hint", posterior.modes.empty() ? replayed.hint : ""}});
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
   } else if (posterior.modes.empty() && !replayed.hint.empty()) {
     fmt::print("{}: {}\n", colored_status(localization::to_string(posterior.status)),
                replayed.hint);
@@ -180,7 +179,7 @@ void add_replay(CLI::App& program, Command& chosen) {
                        "recording.h5 of a pick, or its folder; or a bag: an MCAP file or the "
                        "folder of ros2 bag record")
            ->required());
-  add_bag_options(command, arguments->bag);
+  const auto of_bags = add_bag_options(command, arguments->bag);
   add_common_options(command, arguments->common, kConfig);
   command.footer(
       "Uses the recording's own configuration and seed, and so reproduces the pose of the pick "
@@ -196,9 +195,9 @@ void add_replay(CLI::App& program, Command& chosen) {
       "  palpate replay out/pick-mug-2/recording.h5 --set estimation.free_space=false --json\n"
       "  palpate replay run.mcap --object part.stl --hand my_hand.xml --mount-frame wrist\n"
       "  palpate replay run.mcap --object mug --at 12.5 --json");
-  command.callback([arguments, &command, &chosen] {
-    chosen = [arguments, &command] {
-      if (!ros2::is_bag(arguments->recording)) refuse_bag_options(command, arguments->recording);
+  command.callback([arguments, of_bags, &chosen] {
+    chosen = [arguments, of_bags] {
+      if (!ros2::is_bag(arguments->recording)) refuse_bag_options(of_bags, arguments->recording);
       return replay(*arguments);
     };
   });

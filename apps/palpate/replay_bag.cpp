@@ -76,18 +76,21 @@ void warn_of(const ros2::Bag& bag, const std::string& path, bool quiet) {
 
 }  // namespace
 
-void add_bag_options(CLI::App& command, BagArguments& arguments) {
-  command
-      .add_option("--object", arguments.object,
-                  "for an MCAP file: the object that the hand touches, built in or a mesh file in "
-                  "metres (default: the object of the export)")
-      ->option_text("OBJECT");
-  add_hand_option(command, arguments.hand);
-  command
-      .add_option("--at", arguments.at,
-                  "for an MCAP file: instant of the estimate, s after the first reading")
-      ->option_text("S");
-  add_interface_options(command, arguments.interface);
+std::vector<CLI::Option*> add_bag_options(CLI::App& command, BagArguments& arguments) {
+  std::vector<CLI::Option*> added = {
+      command
+          .add_option("--object", arguments.object,
+                      "for an MCAP file: the object that the hand touches, built in or a mesh file "
+                      "in metres (default: the object of the export)")
+          ->option_text("OBJECT"),
+      &add_hand_option(command, arguments.hand),
+      command
+          .add_option("--at", arguments.at,
+                      "for an MCAP file: instant of the estimate, s after the first reading")
+          ->option_text("S")};
+  const auto interface = add_interface_options(command, arguments.interface);
+  added.insert(added.end(), interface.begin(), interface.end());
+  return added;
 }
 
 BagEstimate estimate_from_bag(const std::string& path, const BagArguments& arguments,

@@ -17,8 +17,8 @@ struct BagArguments {
   ros2::RobotInterface interface;
 };
 
-/// Adds the options that only an MCAP file needs.
-void add_bag_options(CLI::App& command, BagArguments& arguments);
+/// Adds the options that only an MCAP file needs, and returns them.
+std::vector<CLI::Option*> add_bag_options(CLI::App& command, BagArguments& arguments);
 
 struct BagEstimate {
   std::string object, hand;

@@ -119,7 +119,7 @@ void write_results(const RolloutArguments& arguments, const RolloutOptions& opti
                    const std::vector<relocate::Episode>& episodes, const json& report) {
   const std::filesystem::path folder = arguments.common.out;
   write_file_atomically(folder / "episodes.csv", episodes_csv(episodes));
-  write_file_atomically(folder / "rollout.json", report.dump(2) + "\n");
+  write_file_atomically(folder / "rollout.json", json_text(report));
   write_file_atomically(folder / "config.toml", config_text(arguments, options));
 }
 
@@ -208,7 +208,7 @@ int rollout(const RolloutArguments& arguments, const CLI::App& command) {
   if (!common.out.empty()) write_results(arguments, options, episodes, report);
   write_recordings(arguments, options, runner, *policy);
   if (common.json) {
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
   } else {
     print_table(summary, steps / seconds, observes(*policy, arguments.touch));
     if (arguments.touch) print_touch(by_touch);

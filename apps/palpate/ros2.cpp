@@ -68,10 +68,10 @@ nlohmann::json counts_json(const ros2::StreamCounts& counts) {
 
 void print_report(const Ros2Arguments& arguments, const nlohmann::json& report) {
   if (arguments.common.json) {
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
     return;
   }
-  for (const auto& [key, value] : report.items()) fmt::print("{}: {}\n", key, value.dump());
+  for (const auto& [key, value] : report.items()) fmt::print("{}: {}", key, json_text(value, -1));
 }
 
 int estimate(const Ros2Arguments& arguments) {

@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
+#include "csv_header.hpp"
+#include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/tactile/normals/normal_estimator.hpp"
 #include "sense_biotac.hpp"
@@ -17,8 +20,8 @@ namespace {
 
 enum class Format { recording, contacts, biotac };
 
-/// First line of a file, of its first 4 KiB.
-std::string first_line(const std::string& path) {
+/// The first 4 KiB of a file.
+std::string head_of(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     const bool exists = std::filesystem::exists(path, error);
@@ -28,18 +31,18 @@ std::string first_line(const std::string& path) {
   std::string head(4096, '\0');
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(in.gcount()));
-  return head.substr(0, head.find_first_of("\r\n"));
-}
-
-bool has_column(const std::string& header, const std::string& name) {
-  return ("," + header + ",").find("," + name + ",") != std::string::npos;
+  return head;
 }
 
 Format format_of(const std::string& path) {
-  const std::string line = first_line(path);
-  if (line.starts_with("PALPATE RECORDING")) return Format::recording;
-  if (has_column(line, "pdc")) return Format::biotac;
-  if (has_column(line, "finger") && has_column(line, "t")) return Format::contacts;
+  const std::string head = head_of(path);
+  if (head.starts_with("PALPATE RECORDING")) return Format::recording;
+  const auto columns = csv_cells(csv_header(head));
+  const auto has = [&](std::string_view name) {
+    return std::ranges::find(columns, name) != columns.end();
+  };
+  if (has("pdc")) return Format::biotac;
+  if (has("finger") && has("t")) return Format::contacts;
   throw BadInput(fmt::format(
       "{} is neither a recording nor a CSV with columns finger,t,... or t_s,pdc,e1...", path));
 }

@@ -105,6 +105,9 @@ std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
       skills::calibration(recording.header.hand, recording::event_log(recording), {}).hand;
   const geometry::MeshQuery mesh(recording.header.object.mesh);
   std::vector<SensedStream> streams;
+  for (const auto& finger : recording.header.hand.fingers) {
+    tactile::check_finger_name(finger.name, arguments.recording);
+  }
   for (int finger = 0; finger < recording.header.hand.finger_count(); ++finger) {
     const auto& described = recording.header.hand.fingers[static_cast<std::size_t>(finger)];
     FingerSensor sensor(described.name, arguments.estimator, hand::kTick);

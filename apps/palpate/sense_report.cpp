@@ -6,6 +6,7 @@
 
 #include "given_command.hpp"
 #include "palpate/core/angle.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/plotting/plot.hpp"
@@ -16,6 +17,9 @@ namespace palpate::app {
 namespace {
 
 constexpr double kChiSquared95 = 5.991;  // of the two tangent axes
+constexpr const char* kContacts = "contacts.csv";
+constexpr const char* kNormalFigure = "-normal.svg";  // after the stream's name
+constexpr const char* kForceFigure = "-force.svg";
 
 struct StreamSummary {
   std::size_t samples = 0, flagged = 0;
@@ -78,7 +82,7 @@ std::string row(const std::string& name, const StreamSummary& summary) {
 std::string series_csv(const SensedStream& stream) {
   std::string text = "t,x,y,z,fx,fy,fz,nx,ny,nz,sigma_deg,error_deg,flags\n";
   for (const SensedSample& s : stream.samples) {
-    text += fmt::format("{:.9g}", s.time);
+    text += fmt::format("{}", s.time);
     for (const auto* v : {&s.point, &s.force, &s.normal}) {
       text += fmt::format(",{:.9g},{:.9g},{:.9g}", v->x(), v->y(), v->z());
     }
@@ -100,7 +104,7 @@ std::string contacts_csv(const std::vector<SensedStream>& streams) {
     for (const SensedSample& s : stream.samples) {
       if (!(s.point.allFinite() && s.normal.allFinite())) continue;
       const Eigen::Vector3d f = s.force.allFinite() ? s.force : Eigen::Vector3d::Zero();
-      text += fmt::format("{},{:.9g}", stream.name, s.time);
+      text += fmt::format("{},{}", stream.name, s.time);
       for (const auto* v : {&s.point, &s.normal}) {
         text += fmt::format(",{:.9g},{:.9g},{:.9g}", v->x(), v->y(), v->z());
       }
@@ -130,18 +134,33 @@ std::string figure(const SensedStream& stream, const Eigen::Vector3d SensedSampl
   return known ? plotting::to_svg(plot) : "";
 }
 
+/// All that may be written of the streams. @throws BadInput where two of it have one name
+std::vector<std::string> result_names(const std::vector<SensedStream>& streams) {
+  std::vector<std::string> names = {"report.json", kContacts};
+  for (const SensedStream& stream : streams) {
+    const std::string series = stream.name + ".csv";
+    if (std::ranges::find(names, series) != names.end()) {
+      throw BadInput(
+          fmt::format("the series of finger '{}' cannot be written: --out has another {}",
+                      stream.name, series));
+    }
+    names.insert(names.end(), {series, stream.name + kNormalFigure, stream.name + kForceFigure});
+  }
+  return names;
+}
+
 std::vector<std::string> write_stream(const std::filesystem::path& folder,
                                       const SensedStream& stream) {
   std::vector<std::string> written = {stream.name + ".csv"};
   write_file_atomically(folder / written.back(), series_csv(stream));
-  const auto draw = [&](const std::string& name, const std::string& svg) {
+  const auto draw = [&](const char* name, const std::string& svg) {
     if (svg.empty()) return;
-    written.push_back(stream.name + "-" + name + ".svg");
+    written.push_back(stream.name + name);
     write_file_atomically(folder / written.back(), svg);
   };
-  draw("normal",
+  draw(kNormalFigure,
        figure(stream, &SensedSample::normal, "outward normal of the object", "component"));
-  draw("force", figure(stream, &SensedSample::force, "force on the object", "force (N)"));
+  draw(kForceFigure, figure(stream, &SensedSample::force, "force on the object", "force (N)"));
   return written;
 }
 
@@ -161,16 +180,16 @@ void report_streams(const SenseArguments& arguments, const CLI::App& command,
   std::string wrote;
   if (!arguments.common.out.empty()) {
     const std::filesystem::path folder = arguments.common.out;
-    const auto output = claim_output(arguments.common, {"report.json", "contacts.csv"});
+    const auto output = claim_output(arguments.common, result_names(streams));
     for (const SensedStream& stream : streams) {
       for (const auto& file : write_stream(folder, stream)) wrote += " " + file;
     }
-    write_file_atomically(folder / "contacts.csv", contacts_csv(streams));
-    write_file_atomically(folder / "report.json", report.dump(2) + "\n");
+    write_file_atomically(folder / kContacts, contacts_csv(streams));
+    write_file_atomically(folder / "report.json", json_text(report));
     wrote = fmt::format("wrote {}: report.json contacts.csv{}\n", folder.string(), wrote);
   }
   if (arguments.common.json) {
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
   } else {
     fmt::print("{}{}", table, wrote);
     print_next(

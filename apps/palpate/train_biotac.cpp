@@ -115,7 +115,7 @@ int train_biotac_normal(const BiotacNormalArguments& arguments) {
   }
   notice.reset();
   if (arguments.common.json) {
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
   } else {
     fmt::print("{} samples of {} logs; {}\nwrote {}\n", samples, logs.size(), text,
                arguments.common.out);
@@ -145,10 +145,10 @@ void add_biotac_normal(CLI::App& train, Command& chosen) {
 
 void report(const CommonOptions& common, const nlohmann::json& result) {
   if (common.json) {
-    fmt::print("{}\n", result.dump(2));
+    print_json(result);
     return;
   }
-  for (const auto& [key, value] : result.items()) fmt::print("{}: {}\n", key, value.dump());
+  for (const auto& [key, value] : result.items()) fmt::print("{}: {}", key, json_text(value, -1));
   fmt::print("wrote {}\n", common.out);
 }
 

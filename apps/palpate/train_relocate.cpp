@@ -326,9 +326,9 @@ int train(const TrainArguments& arguments) {
   report["iterations"] = training.trainer->iteration();
   report["seconds"] = seconds;
   report["steps_per_second"] = nullptr;
-  write_file_atomically(folder / "report.json", report.dump(2) + "\n");
+  write_file_atomically(folder / "report.json", json_text(report));
   if (common.json) {
-    fmt::print("{}\n", report.dump(2));
+    print_json(report);
   } else {
     fmt::print(
         "return {:.0f} +- {:.0f}; {:.3f} within 5 cm, {:.3f} within 2 cm of {} episodes, "

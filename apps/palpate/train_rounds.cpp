@@ -109,7 +109,7 @@ std::size_t write_requests(const RoundFiles& files, relocate::SearchTrainer& tra
     json line = to_json(request, trainer.iteration());
     const Eigen::VectorXd x = trainer.parameters(request.candidate);
     line["parameters"] = std::vector<double>(x.begin(), x.end());
-    text += line.dump() + "\n";
+    text += json_text(line, -1);
   }
   write_file_atomically(files.ask(), text);
   return requests.size();
@@ -138,7 +138,7 @@ std::size_t run_share(const RoundFiles& files, const std::string& share_text,
     json line = to_json(requests[k], trainer.iteration());
     line["results"] = json::array();
     for (const Episode& episode : results[k]) line["results"].push_back(to_json(episode));
-    text += line.dump() + "\n";
+    text += json_text(line, -1);
   }
   write_file_atomically(
       files.folder / fmt::format("scores-{}-of-{}.jsonl", share.number, share.count), text);
@@ -176,7 +176,7 @@ void print_round(const CommonOptions& common, const RoundFiles& files, int gener
                  std::size_t rollouts) {
   const json report = {
       {"generation", generation}, {"rollouts", rollouts}, {"path", files.ask().string()}};
-  if (common.json) fmt::print("{}\n", report.dump(2));
+  if (common.json) print_json(report);
   if (!common.json) fmt::print("generation {}: {} candidates\n", generation, rollouts);
 }
 

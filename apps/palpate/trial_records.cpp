@@ -23,15 +23,14 @@ using nlohmann::json;
 constexpr const char* kFormat = "palpate-trials 4";
 
 std::string header_line(const EvalPlan& plan) {
-  return json{{"format", kFormat},
-              {"objects", plan.objects},
-              {"symmetry_orders", plan.symmetry_orders},
-              {"trials", plan.trials},
-              {"seed", plan.seed},
-              {"place", plan.place},
-              {"configuration", plan.configuration}}
-             .dump() +
-         "\n";
+  return json_text({{"format", kFormat},
+                    {"objects", plan.objects},
+                    {"symmetry_orders", plan.symmetry_orders},
+                    {"trials", plan.trials},
+                    {"seed", plan.seed},
+                    {"place", plan.place},
+                    {"configuration", plan.configuration}},
+                   -1);
 }
 
 EvalPlan plan_of(const json& header) {
@@ -50,7 +49,7 @@ bool same_result(const evaluation::Trial& a, const evaluation::Trial& b) {
   const json one = evaluation::trial_to_json(a), other = evaluation::trial_to_json(b);
   return std::ranges::all_of(
       std::array{"robot_seconds", "pick", "metrics", "place_metrics"},
-      [&](const char* key) { return one.at(key).dump() == other.at(key).dump(); });
+      [&](const char* key) { return json_text(one.at(key)) == json_text(other.at(key)); });
 }
 
 }  // namespace
@@ -127,7 +126,7 @@ void TrialRecords::add(const std::string& object, std::uint64_t seed,
   if (trials_.contains({object, seed})) return;
   const json line = {
       {"object", object}, {"seed", seed}, {"trial", evaluation::trial_to_json(trial)}};
-  append_durably(path_, line.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
+  append_durably(path_, json_text(line, -1));
 }
 
 }  // namespace palpate::app

@@ -31,6 +31,11 @@ TypeName type_name_of(const CLI::Option* option) {
   return {whole.substr(0, colon), whole.substr(colon + 1)};
 }
 
+bool is_whole_number(const CLI::Option* option) {
+  const std::string type = type_name_of(option).type;
+  return type == "INT" || type == "UINT";
+}
+
 bool is_choice(const std::string& limits) { return limits.starts_with('{'); }
 
 std::string value_name(const CLI::Option* option) {
@@ -40,7 +45,7 @@ std::string value_name(const CLI::Option* option) {
     std::replace(limits.begin(), limits.end(), ',', '|');
     return limits.substr(1, limits.size() - 2);
   }
-  if (type == "INT" || type == "UINT") return "N";
+  if (is_whole_number(option)) return "N";
   return type == "FLOAT" ? "X" : type;
 }
 
@@ -86,6 +91,15 @@ std::string range_error(const std::string& text, Number min, Number max, std::st
   if (value >= min && value <= max) return "";
   if (max == std::numeric_limits<Number>::max()) return fmt::format("{} is below {}", text, min);
   return fmt::format("{} is outside {} to {}", text, min, max);
+}
+
+/// Digits without the zeros in front of them; any other text as it is.
+std::string without_leading_zeros(const std::string& text) {
+  const std::size_t start = text.starts_with('-') ? 1 : 0;
+  if (text.find_first_not_of("0123456789", start) != text.npos) return text;
+  const std::size_t first = text.find_first_not_of('0', start);
+  if (first != text.npos) return text.substr(0, start) + text.substr(first);
+  return text.size() > start ? "0" : text;
 }
 
 std::string command_path(const CLI::App* command) {
@@ -253,6 +267,15 @@ CLI::Validator positive() {
             return fmt::format("'{}' is not a positive number", text);
           },
           "above 0"};
+}
+
+void read_whole_numbers_as_decimal(CLI::App& program) {
+  for (CLI::Option* const option : program.get_options()) {
+    if (is_whole_number(option)) option->transform(without_leading_zeros);
+  }
+  for (CLI::App* const command : program.get_subcommands([](const CLI::App*) { return true; })) {
+    read_whole_numbers_as_decimal(*command);
+  }
 }
 
 const CLI::App* innermost(const CLI::App* program) {

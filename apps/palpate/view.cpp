@@ -30,7 +30,7 @@ struct ViewArguments {
 
 void say_where(const ViewArguments& arguments, const std::string& key, const std::string& place) {
   if (arguments.common.json) {
-    fmt::print("{}\n", nlohmann::json{{key, place}}.dump(2));
+    print_json(nlohmann::json{{key, place}});
   } else {
     fmt::print("{}\n", place);
   }
@@ -115,8 +115,10 @@ void add_view(CLI::App& program, Command& chosen) {
       ->option_text("N")
       ->check(in_range(0, 232))
       ->needs(live);
-  add_interface_options(command, arguments->stream.interface);
-  add_best_effort_option(command, arguments->stream.interface);
+  for (CLI::Option* const option : add_interface_options(command, arguments->stream.interface)) {
+    option->needs(live);
+  }
+  add_best_effort_option(command, arguments->stream.interface)->needs(live);
   add_common_options(command, arguments->common, kOut);
   command.footer(
       "Serves the page that replays the recording, to this machine only, until interrupted. With\n"

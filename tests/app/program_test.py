@@ -4,7 +4,10 @@
 import json
 import os
 import re
+import signal
+import subprocess
 
+import cli
 from cli import BAD_INPUT, DONE, USAGE, CliTest, main
 
 
@@ -125,7 +128,7 @@ class Usage(CliTest):
             self.assertIn(f"palpate {command}", examples)
 
 
-class Options(CliTest):
+class CommandsTest(CliTest):
     def all_commands(self, path=()):
         """The words of each command, those of subcommands after their command."""
         text = self.run_program(*path, "--help").stdout
@@ -135,6 +138,115 @@ class Options(CliTest):
         for name in re.findall(r"^  ([\w-]+) ", names, re.MULTILINE):
             yield from self.all_commands((*path, name))
 
+
+class WholeNumbers(CommandsTest):
+    def test_a_leading_zero_changes_nothing(self):
+        few = ["rollout", "--set", "episode.horizon=5", "--set", "task.solver=fast"]
+        reports = [self.run_json(*few, "--episodes", count, "--seed", seed)
+                   for count, seed in (("010", "010"), ("10", "10"), ("0010", "08"), ("10", "8"))]
+        for report in reports:
+            self.assertEqual(report["episodes"], 10)
+        returns = [report["return"] for report in reports]
+        self.assertEqual(returns[0], returns[1])
+        self.assertEqual(returns[2], returns[3])
+        self.assertNotEqual(returns[0], returns[2])
+        self.assert_refused(USAGE, ["pick", "--seed", "0x10"], "'0x10' is not a whole number")
+        self.assert_refused(USAGE, ["pick", "--seed", "-01"], "-1 is below 0")
+        self.assert_refused(USAGE, ["pick", "--threads", "00"], "--threads")
+
+    def test_every_option_of_a_whole_number_is_read_as_decimal(self):
+        seen = set()
+        for words in self.all_commands():
+            for text in re.split(r"^  (?=--)", self.run_program(*words, "--help").stdout, flags=re.MULTILINE):
+                option, kind, *rest = text.split(maxsplit=2)
+                if not option.startswith("--") or kind != "N":
+                    continue
+                seen.add(option)
+                limits = re.search(r"(\d+)\s+to\s+(\d+)\)", rest[0])
+                if limits:
+                    beyond = int(limits[2]) + 1
+                    self.assert_refused(USAGE, [*words, option, f"0{beyond}"], f"{option}: {beyond} is outside")
+                else:
+                    self.assertEqual(option, "--seed", words)
+                    self.assert_refused(USAGE, [*words, option, "-010"], "-10 is below 0")
+        self.assertGreaterEqual(seen, {"--seed", "--threads", "--trials", "--episodes", "--domain"})
+
+
+class LostOutput(CliTest):
+    def code_and_error(self, *arguments, stdout, **more):
+        environment = dict(os.environ, PALPATE_CACHE=str(self.cache))
+        done = subprocess.run([cli.PROGRAM, *arguments], cwd=self.folder, env=environment, stdout=stdout,
+                              stderr=subprocess.PIPE, text=True, timeout=60, **more)  # fmt: skip
+        return done.returncode, done.stderr
+
+    def test_output_that_a_full_disk_loses_is_an_error(self):
+        for arguments in (["--version"], ["--help"], ["options", "pick"], ["options", "pick", "--json"], ["doctor"]):
+            with open("/dev/full", "w") as full:
+                code, error = self.code_and_error(*arguments, stdout=full)
+            self.assertEqual(code, BAD_INPUT, arguments)
+            self.assertEqual(error, "palpate: cannot write the output: No space left on device\n", arguments)
+
+    def test_a_reader_that_goes_away_is_told_nothing(self):
+        reader, writer = os.pipe()
+        os.close(reader)
+        self.addCleanup(os.close, writer)
+        for arguments in (["--version"], ["--help"], ["options", "pick", "--json"]):
+            self.assertEqual(self.code_and_error(*arguments, stdout=writer), (-signal.SIGPIPE, ""))
+            # As under a parent that ignores the signal: only the error of a write is left.
+            self.assertEqual(self.code_and_error(*arguments, stdout=writer, restore_signals=False)[1], "")
+
+    def test_an_error_that_cannot_be_told_is_one_by_its_code(self):
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([cli.PROGRAM, "sense", "none.csv"], cwd=self.folder, stderr=full, timeout=60)
+        self.assertEqual(done.returncode, BAD_INPUT)
+
+
+class OptionsOfOtherInput(CliTest):
+    def test_those_of_bags_are_refused_for_a_recording(self):
+        self.write("recording.h5", "PALPATE RECORDING")
+        self.write("skin.csv", "finger,x,y,z,nx,ny,nz\nff,0,0,0,0,0,1\n")
+        for option in ("--object", "--hand", "--at", "--world-frame", "--mount-frame", "--joint-states", "--contacts",
+                       "--fingertip-wrenches", "--taxels", "--taxel-layout"):  # fmt: skip
+            value = {"--at": "1", "--taxel-layout": "skin.csv"}.get(option, "x")
+            self.assert_refused(BAD_INPUT, ["replay", "recording.h5", option, value],
+                                f"{option} is an option of bags (MCAP)", "recording.h5")  # fmt: skip
+
+    def test_those_of_a_stream_need_one(self):
+        self.write("recording.h5", "PALPATE RECORDING")
+        for option in ("--object", "--hand", "--domain", "--world-frame", "--mount-frame", "--joint-states",
+                       "--contacts", "--fingertip-wrenches", "--taxels", "--best-effort"):  # fmt: skip
+            value = [] if option == "--best-effort" else ["1"]
+            self.assert_refused(USAGE, ["view", "recording.h5", option, *value, "--out", "page"], option, "--live")
+
+
+class Export(CliTest):
+    def test_a_recording_is_not_replaced_by_what_is_made_of_it(self):
+        (self.folder / "run").mkdir()
+        self.write("run/recording.h5", "PALPATE RECORDING")
+        (self.folder / "link.h5").symlink_to("run/recording.h5")
+        for form in ("mcap", "lerobot", "minari"):
+            for recording in ("run/recording.h5", "run", "link.h5"):
+                for out in ("run/recording.h5", "run/../run/recording.h5", "link.h5", "run", "."):
+                    self.assert_refused(BAD_INPUT, ["export", form, recording, "--out", out, "--force"],
+                                        f"{out} is the recording, or holds it")  # fmt: skip
+        self.assertEqual((self.folder / "run/recording.h5").read_text(), "PALPATE RECORDING")
+
+    def test_an_mcap_is_not_written_in_the_place_of_a_folder(self):
+        self.write("recording.h5", "PALPATE RECORDING")
+        (self.folder / "there").mkdir()
+        for force in ([], ["--force"]):
+            command = ["export", "mcap", "recording.h5", "--out", "there", *force]
+            self.assert_refused(BAD_INPUT, command, "there is a folder, and an MCAP is a file")
+
+    def test_modules_in_the_current_folder_are_not_run(self):
+        self.write("recording.h5", "PALPATE RECORDING")
+        for name in ("palpate", "h5py", "argparse"):
+            self.write(f"{name}.py", f"open('ran-{name}', 'w').close()\n")
+        self.assertEqual(self.run_program("export", "minari", "recording.h5").returncode, BAD_INPUT)
+        self.assertFalse(list(self.folder.glob("ran-*")))
+
+
+class Options(CommandsTest):
     def test_every_option_is_listed_with_its_help(self):
         for command in ("pick", "replay", "localize", "plan", "register", "rollout"):
             options = self.run_json("options", command)["options"]

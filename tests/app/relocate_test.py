@@ -2,6 +2,7 @@
 """Training, rolling out and comparing policies of the relocate task."""
 
 import json
+import os
 import signal
 import subprocess
 import time
@@ -127,6 +128,32 @@ class RelocateTest(cli.CliTest):
         done = self.run_program("compare", "a0.csv", "b0.csv,b1.csv")
         self.assertEqual(done.returncode, cli.BAD_INPUT)
         self.assertIn("1 trainings against 2", done.stderr)
+
+    def test_returns_whose_squares_cannot_be_computed_are_refused(self):
+        self.write_returns("a.csv", [1, 2, 3])
+        for value in ("1e300", "-1e300", "1e13", "1e-160"):
+            self.write_returns("huge.csv", [1, value, 3])
+            self.assert_refused(cli.BAD_INPUT, ["compare", "huge.csv", "a.csv"], "huge.csv:3: a return of")
+
+    def test_files_of_other_programs_are_read(self):
+        self.write_returns("a.csv", [1, 2, 3])
+        self.write_returns("b.csv", [4, 6, 5])
+        report = self.run_json("compare", "a.csv", "b.csv")
+        text = (self.folder / "a.csv").read_text()
+        self.write("crlf.csv", text.replace("\n", "\r\n"))
+        self.write("marked.csv", "\ufeff" + text)
+        for name in ("crlf.csv", "marked.csv"):
+            self.assertEqual(self.run_json("compare", name, "b.csv"), report, name)
+
+    def test_a_pipe_is_read_once(self):
+        self.write_returns("a.csv", [1, 2, 3])
+        self.write_returns("b.csv", [4, 6, 5])
+        os.mkfifo(self.folder / "pipe.csv")
+        command = [cli.PROGRAM, "compare", "pipe.csv", "b.csv", "--json"]
+        with subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE, text=True) as process:
+            (self.folder / "pipe.csv").write_text((self.folder / "a.csv").read_text())
+            out = process.communicate(timeout=60)[0]
+        self.assertEqual(json.loads(out), self.run_json("compare", "a.csv", "b.csv"))
 
     def test_both_names_are_checked_before_an_episode_is_run(self):
         command = ["compare", "relocate-best", "relocate-bets", "--episodes", "5000", "--out", "c"]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The sense command: contacts that slide on a flat face, bad rows among them, and bad input."""
 
+import os
 import random
 
 from cli import BAD_INPUT, USAGE, CliTest, main
@@ -100,6 +101,56 @@ class Sense(CliTest):
         self.assert_refused(BAD_INPUT, ["sense", "other.csv"], "other.csv", "recording")
         self.assert_refused(BAD_INPUT, ["sense", "none.csv"], "none.csv")
         self.assert_refused(USAGE, ["sense", "other.csv", "--estimator", "magic"], "magic")
+
+    def test_times_are_written_as_they_were_read(self):
+        rows = slide(40)
+        for row in rows:
+            row[1] = 1700000000 + round(row[1] + 0.005, 3)
+        self.write("slide.csv", csv(rows))
+        self.run_json("sense", "slide.csv", "--out", "out")
+        times = [row[1] for row in rows]
+        for name, column in (("FF.csv", 0), ("contacts.csv", 1)):
+            lines = (self.folder / "out" / name).read_text().splitlines()[1:]
+            written = [float(line.split(",")[column]) for line in lines]
+            self.assertTrue(written and set(written) <= set(times), (name, written[:3]))
+            self.assertEqual(len(set(written)), len(written), name)
+
+    def test_a_name_that_makes_no_file_is_refused(self):
+        for name in ("../evil", "a/b", ".hidden", "", "a\x07b", "x" * 201):
+            self.write("slide.csv", csv([[name, *row[1:]] for row in slide(3)]))
+            self.assert_refused(BAD_INPUT, ["sense", "slide.csv", "--out", "out"], "slide.csv:2", "finger")
+        self.write("slide.csv", csv([["contacts", *row[1:]] for row in slide(3)]))
+        self.assert_refused(BAD_INPUT, ["sense", "slide.csv", "--out", "out"], "contacts.csv")
+
+    def test_no_file_is_replaced_unasked(self):
+        self.write("slide.csv", csv(slide(40)))
+        (self.folder / "out").mkdir()
+        for name in ("FF.csv", "FF-normal.svg", "FF-force.svg"):
+            path = self.folder / "out" / name
+            path.write_text("kept")
+            self.assert_refused(BAD_INPUT, ["sense", "slide.csv", "--out", "out"], name, "--force")
+            self.assertEqual(path.read_text(), "kept")
+            path.unlink()
+        (self.folder / "out" / "FF.csv").write_text("old")
+        self.run_json("sense", "slide.csv", "--out", "out", "--force")
+        self.assertTrue((self.folder / "out" / "FF.csv").read_text().startswith("t,"))
+
+    def test_a_header_is_read_as_the_rows_are(self):
+        rows = csv(slide(40))
+        self.write("plain.csv", rows)
+        plain = self.run_json("sense", "plain.csv")
+        for start, header, end in (("\ufeff", HEADER, "\n"), ("", HEADER.replace(",", " , "), "\n"),
+                                   ("\n \n", HEADER, "\n"), ("\ufeff\r\n", HEADER, "\r\n")):  # fmt: skip
+            text = start + rows.replace(HEADER, header).replace("\n", end)
+            self.write("other.csv", text)
+            self.assertEqual(self.run_json("sense", "other.csv"), plain, repr(text[:30]))
+
+    def test_a_name_that_is_not_utf8_is_reported_with_a_mark_in_its_place(self):
+        log = os.fsdecode(b"log-\xff.csv")
+        self.write(log, csv(slide(40)).encode().replace(b"FF,", b"F\xfe,"))
+        report = self.run_json("sense", log, "--out", "out")
+        self.assertEqual(list(report["streams"]), ["F\ufffd"])
+        self.assertIn(os.fsdecode(b"out/F\xfe.csv"), self.contents())
 
     def test_what_would_have_no_effect_is_refused(self):
         self.write("slide.csv", csv(slide()[:3]))

@@ -10,7 +10,7 @@ import struct
 import urllib.request
 
 import cli
-from cli import BAD_INPUT, DONE, QUICK, USAGE, CliTest, main
+from cli import BAD_INPUT, DONE, NO_SOLUTION, QUICK, USAGE, CliTest, main
 
 
 class RecordingTest(CliTest):
@@ -118,6 +118,16 @@ class View(RecordingTest):
         self.assertEqual(
             len((self.folder / page).read_text().partition("<script")[2]),
             len((self.folder / "run/replay.html").read_text().partition("<script")[2]))
+
+    def test_a_name_that_is_not_utf8_is_printed_with_a_mark_in_its_place(self):
+        name = os.fsdecode(b"run/\xff.h5")
+        (self.folder / self.record()).rename(self.folder / name)
+        for command in (["view", name, "--out", "page"], ["export", "mcap", name], ["replay", name]):
+            done = self.run_program(*command, "--json")
+            self.assertIn(done.returncode, (DONE, NO_SOLUTION), done.stderr)
+            report = json.loads(done.stdout)
+            if command[0] != "view":
+                self.assertEqual(report["path"][:5], "run/\ufffd", command)
 
     def test_no_recording(self):
         self.assert_refused(BAD_INPUT, ["view", "missing.h5"], "missing.h5")

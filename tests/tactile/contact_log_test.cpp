@@ -84,6 +84,24 @@ TEST_F(ContactLogTest, NamesWhatIsWrongAndWhere) {
   EXPECT_THROW(read_contact_log(folder_.path() / "none.csv"), BadInput);
 }
 
+TEST_F(ContactLogTest, AFingersNameCanBeAFiles) {
+  const auto error_of = [this](const std::string& name) {
+    return error("finger,t,px,py,pz,fx,fy,fz\n" + name + ",0,0,0,0,0,0,-1\n");
+  };
+  for (const std::string good : {"FF", "left index", "a.b", "..."}) {
+    EXPECT_EQ(error_of(good).empty(), good.front() != '.') << good;
+  }
+  EXPECT_EQ(error_of("\xC3\xBC"), "");  // UTF-8
+  EXPECT_EQ(error_of(std::string(200, 'x')), "");
+  EXPECT_NE(error_of(std::string(201, 'x')).find(":2: a finger's name has 201"), std::string::npos);
+  EXPECT_NE(error_of(" ").find(":2: a finger has no name"), std::string::npos);
+  for (const std::string& bad : {std::string("../evil"), std::string("a/b"), std::string(".hidden"),
+                                 std::string("a\tb"), std::string("a\0b", 3)}) {
+    EXPECT_NE(error_of(bad).find(":2: '"), std::string::npos) << bad;
+  }
+  EXPECT_THROW(check_finger_name("a,b", "recording.h5"), BadInput);
+}
+
 TEST_F(ContactLogTest, NanIsReadAndFlaggedLater) {
   const auto logs = read_contact_log(write("finger,t,px,py,pz,fx,fy,fz\nFF,0,0,0,0,nan,0,0\n"));
   EXPECT_EQ(SampleMaker().next(logs[0].frames[0]).flags.names(), "not_finite");

@@ -15,6 +15,8 @@
 namespace palpate::tactile {
 namespace {
 
+constexpr std::size_t kMaxName = 200;  // bytes; a file system takes 255, with what is appended
+
 using Columns = palpate::CsvTable::Columns;
 
 Eigen::Vector3d vector_of(const palpate::CsvTable& table, const Columns& columns) {
@@ -36,10 +38,19 @@ struct Layout {
   std::optional<Columns> n, tip;
 };
 
-FingerLog& log_of(std::vector<FingerLog>& logs, std::string_view finger) {
+/// Of ASCII; the bytes of UTF-8 are none.
+bool is_control(char byte) {
+  const auto code = static_cast<unsigned char>(byte);
+  return code < 0x20 || code == 0x7F;
+}
+
+FingerLog& log_of(std::vector<FingerLog>& logs, const palpate::CsvTable& table,
+                  const Layout& layout) {
+  const std::string_view finger = table.cell(layout.finger);
   const auto found = std::find_if(logs.begin(), logs.end(),
                                   [&](const FingerLog& log) { return log.finger == finger; });
   if (found != logs.end()) return *found;
+  check_finger_name(finger, table.where());
   return logs.emplace_back(FingerLog{.finger = std::string(finger), .frames = {}, .normals = {}});
 }
 
@@ -107,6 +118,21 @@ void finish(FingerLog& log, double unit) {
 
 }  // namespace
 
+void check_finger_name(std::string_view name, const std::string& source) {
+  if (name.empty()) throw BadInput(fmt::format("{}: a finger has no name", source));
+  if (name.size() > kMaxName) {
+    throw BadInput(fmt::format("{}: a finger's name has {} bytes, more than {}", source,
+                               name.size(), kMaxName));
+  }
+  std::string shown(name);
+  std::ranges::replace_if(shown, is_control, '?');
+  if (shown == name && name.front() != '.' && name.find_first_of("/,") == name.npos) return;
+  throw BadInput(
+      fmt::format("{}: '{}' cannot be a finger's name, which begins with no dot and holds no "
+                  "slash, comma or control character",
+                  source, shown));
+}
+
 std::vector<FingerLog> read_contact_log(const std::filesystem::path& path, double tick) {
   if (!(std::isfinite(tick) && tick > 0)) {
     throw BadInput(fmt::format("the tick must be positive, not {} s", tick));
@@ -115,7 +141,7 @@ std::vector<FingerLog> read_contact_log(const std::filesystem::path& path, doubl
   palpate::CsvTable table(text, path.string());
   const Layout layout(table);
   std::vector<FingerLog> logs;
-  while (table.next()) add_row(table, layout, log_of(logs, table.cell(layout.finger)));
+  while (table.next()) add_row(table, layout, log_of(logs, table, layout));
   if (logs.empty()) throw BadInput(fmt::format("{} has no rows", path.string()));
   const double unit = counts_ticks(logs) ? tick : 1.0;
   for (FingerLog& log : logs) finish(log, unit);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "palpate/tactile/contacts/finger_sample.hpp"
@@ -19,6 +20,12 @@ struct FingerLog {
   std::vector<std::optional<Eigen::Vector3d>> normals;
 };
 
+/// A finger's name becomes the name of its files and a cell of CSV files.
+/// @param source  named in the error
+/// @throws BadInput for one that is empty or has more than 200 bytes, begins with a dot, or holds a
+///         slash, a comma or a control character
+void check_finger_name(std::string_view name, const std::string& source);
+
 /// Reads a CSV of contacts, one a row: columns finger, t and the vectors p, f and, optionally, n
 /// (px,py,pz or x,y,z; fx,fy,fz; nx,ny,nz) and tn (tnx,tny,tnz: outward normal of the object as the
 /// fingertip's own shape has it; zero where the tip gives none); others are ignored. Rows of one
@@ -26,8 +33,8 @@ struct FingerLog {
 /// ticks.
 ///
 /// @param tick  s, of one tick
-/// @throws BadInput, naming the file and line, for a file that cannot be read, a missing column or
-///         a cell that is no number (nan is one)
+/// @throws BadInput, naming the file and line, for a file that cannot be read, a missing column, a
+///         finger without a proper name or a cell that is no number (nan is one)
 std::vector<FingerLog> read_contact_log(const std::filesystem::path& path, double tick = 0.1);
 
 }  // namespace palpate::tactile
