@@ -40,8 +40,8 @@ void bind_base_position(nb::module_& module) {
                   "None) -> BasePosition"),
           "Of a pose (4, 4): with a pitch of at most a quarter turn, or with the yaw, pitch and "
           "roll that are nearest to another's.\n\nRaises ValueError unless it is a rigid motion.")
-      .def_ro("xyz", &BasePosition::xyz, "(3,), m.")
-      .def_ro("ypr", &BasePosition::ypr, "Yaw, pitch, roll, (3,), rad.")
+      .def_ro("xyz", &BasePosition::xyz, nb::rv_policy::copy, "(3,), m.")
+      .def_ro("ypr", &BasePosition::ypr, nb::rv_policy::copy, "Yaw, pitch, roll, (3,), rad.")
       .def_prop_ro(
           "T_world_base", [](const BasePosition& self) { return pose(self.pose()); }, "(4, 4).")
       .def("__repr__", [](const BasePosition& self) {
@@ -65,7 +65,7 @@ void bind_arm_reading(nb::module_& module) {
           "on the mount beyond what the empty hand needs at rest, N.\n\nRaises ValueError for "
           "other shapes.")
       .def_ro("base", &ArmReading::base, "Of the hand's mount in the world.")
-      .def_ro("base_force", &ArmReading::force, "(3,), world axes, N.")
+      .def_ro("base_force", &ArmReading::force, nb::rv_policy::copy, "(3,), world axes, N.")
       .def("__repr__", [](const ArmReading& self) {
         return fmt::format("ArmReading(({:.3f}, {:.3f}, {:.3f}) m, {:.2f} N)", self.base.xyz.x(),
                            self.base.xyz.y(), self.base.xyz.z(), self.force.norm());

@@ -53,32 +53,36 @@ void check_sigma(double sigma, const char* what, std::size_t index) {
   throw BadInput(fmt::format("contact {}: {} is {}, not positive", index, what, sigma));
 }
 
+/// @throws BadInput for what no contact can be
+void check_contact(const tactile::Contact& contact, std::size_t index) {
+  check_finite(contact.p, "point", index);
+  check_finite(contact.n, "normal", index);
+  check_finite(contact.f, "force", index);
+  check_sigma(contact.point_sigma, "point_sigma", index);
+  check_sigma(contact.normal_sigma, "normal_sigma", index);
+}
+
 Contacts make_contacts(nb::handle points, nb::handle normals, nb::handle forces, nb::handle sigma,
                        nb::handle normal_sigma) {
   const auto p = points_from(points, "points");
   Contacts contacts{std::vector<tactile::Contact>(p.size())};
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    check_finite(p[k], "point", k);
-    contacts.list[k].p = p[k];
-  }
+  for (std::size_t k = 0; k < p.size(); ++k) contacts.list[k].p = p[k];
   if (is_given(normals)) {
     const auto n = as_many(normals, p.size(), "normals");
     for (std::size_t k = 0; k < n.size(); ++k) contacts.list[k].n = unit_or_none(n[k], k);
   }
   if (is_given(forces)) {
     const auto f = as_many(forces, p.size(), "forces");
-    for (std::size_t k = 0; k < f.size(); ++k) {
-      check_finite(f[k], "force", k);
-      contacts.list[k].f = f[k];
-    }
+    for (std::size_t k = 0; k < f.size(); ++k) contacts.list[k].f = f[k];
   }
   const auto sp = is_given(sigma) ? numbers_from(sigma, p.size(), "point_sigma")
                                   : std::vector<double>(p.size(), kPointSigma);
   const auto sn = is_given(normal_sigma) ? numbers_from(normal_sigma, p.size(), "normal_sigma")
                                          : std::vector<double>(p.size(), kNormalSigma);
   for (std::size_t k = 0; k < p.size(); ++k) {
-    check_sigma(contacts.list[k].point_sigma = sp[k], "point_sigma", k);
-    check_sigma(contacts.list[k].normal_sigma = sn[k], "normal_sigma", k);
+    contacts.list[k].point_sigma = sp[k];
+    contacts.list[k].normal_sigma = sn[k];
+    check_contact(contacts.list[k], k);
   }
   return contacts;
 }
@@ -165,13 +169,21 @@ State state_of(const Contacts& contacts) {
           groups_of(contacts)};
 }
 
+/// @throws BadInput for a damaged state
 Contacts contacts_of(const State& state) {
   const auto& [p, n, f, point_sigma, normal_sigma, group] = state;
+  for (const Eigen::Index count :
+       {n.rows(), f.rows(), point_sigma.size(), normal_sigma.size(), group.size()}) {
+    if (count != p.rows()) {
+      throw BadInput(fmt::format("a state of {} points holds {} values of each", p.rows(), count));
+    }
+  }
   Contacts contacts{std::vector<tactile::Contact>(static_cast<std::size_t>(p.rows()))};
   for (Eigen::Index k = 0; k < p.rows(); ++k) {
     tactile::Contact& one = contacts.list[static_cast<std::size_t>(k)];
     one.p = p.row(k), one.n = n.row(k), one.f = f.row(k);
     one.point_sigma = point_sigma[k], one.normal_sigma = normal_sigma[k], one.group = group[k];
+    check_contact(one, static_cast<std::size_t>(k));
   }
   return contacts;
 }

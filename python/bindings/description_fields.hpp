@@ -6,6 +6,7 @@
 
 #include <tuple>
 
+#include "check_description.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/description.hpp"
 #include "pickle.hpp"
@@ -109,6 +110,7 @@ struct Fields<hand::Description> {
     return std::tie(it.name, it.links, it.palm, it.joints, it.actuators, it.fingers, it.thumb,
                     it.spheres, it.postures, it.file, it.kinematic_error);
   }
+  static void check(const hand::Description& it) { check_description(it); }
 };
 
 }  // namespace palpate::python

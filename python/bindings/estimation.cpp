@@ -65,10 +65,8 @@ class Follower {
   }
 
   void begin(const Posterior& posterior) {
-    const std::string &mine = model_->object().name, &other = posterior.model->object().name;
     if (posterior.found.modes.empty()) throw BadInput("the posterior has no modes");
-    if (mine != other)
-      throw BadInput(fmt::format("the posterior is of '{}', not '{}'", other, mine));
+    require_same_object(posterior, *model_);
     const std::lock_guard lock(busy_);
     require_reading();
     follower_.begin(posterior.found);

@@ -76,6 +76,15 @@ struct Fields<geometry::KnownObject> {
     return std::tie(it.name, it.mesh, it.T_mesh_object, it.mass, it.mass_properties,
                     it.stable_poses, it.symmetries, it.repairs);
   }
+  static void check(const geometry::KnownObject& it) {
+    const double longest = geometry::bounds(it.mesh).sizes().maxCoeff();
+    if (!it.mesh.triangles.empty() && longest > 0 && longest < kLargest) return;
+    throw BadInput(fmt::format("the object '{}' is {} m long, of {} triangles", it.name, longest,
+                               it.mesh.triangles.size()));
+  }
+
+ private:
+  static constexpr double kLargest = 1;  // m; load_known_object() allows less
 };
 
 namespace {
@@ -126,10 +135,11 @@ void bind_mesh(nb::module_& module) {
   nb::class_<ClosestPoints> closest(module, "ClosestPoints",
                                     "Closest points of a surface, one a query.");
   bind_pickle(closest);
-  closest.def_ro("points", &ClosestPoints::points, "On the surface, (N, 3), m.")
-      .def_ro("normals", &ClosestPoints::normals,
+  closest
+      .def_ro("points", &ClosestPoints::points, nb::rv_policy::copy, "On the surface, (N, 3), m.")
+      .def_ro("normals", &ClosestPoints::normals, nb::rv_policy::copy,
               "Outward pseudonormals of the face, edge or vertex, (N, 3), unit.")
-      .def_ro("distances", &ClosestPoints::distances, "(N,), m, >= 0.")
+      .def_ro("distances", &ClosestPoints::distances, nb::rv_policy::copy, "(N,), m, >= 0.")
       .def("__repr__", [](const ClosestPoints& self) {
         return fmt::format("ClosestPoints({} points)", self.distances.size());
       });
@@ -172,9 +182,7 @@ void bind_mesh(nb::module_& module) {
            [](const Mesh& self) { return Kept<ge::TriangleMesh>::of(self.triangles()); })
       .def("__setstate__",
            [](Mesh* self, nb::object state) {
-             ge::TriangleMesh triangles;
-             Kept<ge::TriangleMesh>::into(state, triangles);
-             new (self) Mesh(mesh_of(std::move(triangles)));
+             new (self) Mesh(mesh_of(restored<ge::TriangleMesh>(state)));
            })
       .def("__repr__", [](const Mesh& self) {
         const Eigen::Vector3d size = 1e3 * ge::bounds(self.triangles()).sizes();
@@ -287,8 +295,7 @@ void bind_geometry(nb::module_& module) {
            [](const ge::ObjectModel& self) { return Kept<ge::KnownObject>::of(self.object()); })
       .def("__setstate__",
            [](ge::ObjectModel* self, nb::object state) {
-             ge::KnownObject object;
-             Kept<ge::KnownObject>::into(state, object);
+             auto object = restored<ge::KnownObject>(state);
              const nb::gil_scoped_release release;
              new (self) ge::ObjectModel(std::move(object));
            })

@@ -94,9 +94,10 @@ void bind_contact(nb::module_& module) {
           "point (3,), m; normal (3,): outward of the object, unit, None where the sensor measures "
           "none; force (3,): on the object, N; the sensor's own errors, m and rad, 0: it states "
           "none.\n\nRaises ValueError for other shapes.")
-      .def_ro("point", &TipContact::p, "(3,), m.")
-      .def_ro("normal", &TipContact::n, "Outward of the object, (3,), unit; zeros: not measured.")
-      .def_ro("force", &TipContact::f, "On the object, (3,), N.")
+      .def_ro("point", &TipContact::p, nb::rv_policy::copy, "(3,), m.")
+      .def_ro("normal", &TipContact::n, nb::rv_policy::copy,
+              "Outward of the object, (3,), unit; zeros: not measured.")
+      .def_ro("force", &TipContact::f, nb::rv_policy::copy, "On the object, (3,), N.")
       .def_ro("point_sigma", &TipContact::point_sigma, "m; 0: not stated.")
       .def_ro("normal_sigma", &TipContact::normal_sigma, "rad; 0: not stated.")
       .def("__repr__", [](const TipContact& self) {
@@ -141,7 +142,7 @@ void bind_reading(nb::module_& module) {
       .def_prop_ro(
           "base_ypr", [](const HandReading& self) { return self.base.ypr; },
           "Yaw, pitch, roll, (3,), rad.")
-      .def_ro("base_force", &HandReading::base_force, "(3,), world axes, N.")
+      .def_ro("base_force", &HandReading::base_force, nb::rv_policy::copy, "(3,), world axes, N.")
       .def_prop_ro(
           "contacts", [](const HandReading& self) { return self.contacts; },
           "A list for each finger.")

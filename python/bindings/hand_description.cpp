@@ -42,7 +42,8 @@ void bind_link(nb::module_& module) {
       .def_prop_ro(
           "T_parent_link", [](const hand::Link& self) { return pose(self.T_parent_link); },
           "At joint angle 0, (4, 4).")
-      .def_ro("axis", &hand::Link::axis, "Of the joint, in the link's frame, (3,), unit.")
+      .def_ro("axis", &hand::Link::axis, nb::rv_policy::copy,
+              "Of the joint, in the link's frame, (3,), unit.")
       .def_ro("joint", &hand::Link::joint, "Index of the joint; -1: fixed.")
       .def("__repr__",
            [](const hand::Link& self) { return fmt::format("HandLink('{}')", self.name); });

@@ -40,6 +40,12 @@ struct Fields<lo::ObjectProbabilities> {
 template <>
 struct Fields<Identification> {
   static auto of(Identification& it) { return std::tie(it.objects, it.posteriors); }
+  static void check(const Identification& it) {
+    const std::size_t count = it.posteriors.size();
+    if (it.objects.candidates.size() == count && it.objects.best < count) return;
+    throw BadInput(fmt::format("object {} of {}, with {} probabilities", it.objects.best, count,
+                               it.objects.candidates.size()));
+  }
 };
 
 namespace {

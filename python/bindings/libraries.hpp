@@ -49,6 +49,9 @@ void bind_identification(nanobind::module_& module);
 void bind_estimation(nanobind::module_& module);
 void bind_touches(nanobind::module_& module);
 
+/// @throws BadInput for a posterior of another object
+void require_same_object(const Posterior& posterior, const geometry::ObjectModel& model);
+
 /// How a posterior draws itself in a notebook: a table of its modes, and the object's surface at
 /// each, seen from above and from the side.
 std::string posterior_html(const Posterior& posterior);

@@ -110,12 +110,16 @@ std::string repr(const Posterior& posterior) {
 }
 
 void bind_mode(nb::module_& module) {
-  nb::class_<lo::FreeAxis> free_axis(
-      module, "FreeAxis", "Equally credible poses: turns about a line by -extent..+extent.");
+  nb::class_<lo::FreeAxis> free_axis(module, "FreeAxis",
+                                     "Credible poses: turns about a line by -extent..+extent.");
   bind_pickle(free_axis);
-  free_axis.def_ro("point", &lo::FreeAxis::point, "On the line, contacts' frame, (3,), m.")
-      .def_ro("direction", &lo::FreeAxis::direction, "(3,), unit.")
+  free_axis
+      .def_ro("point", &lo::FreeAxis::point, nb::rv_policy::copy,
+              "On the line, contacts' frame, (3,), m.")
+      .def_ro("direction", &lo::FreeAxis::direction, nb::rv_policy::copy, "(3,), unit.")
       .def_ro("extent", &lo::FreeAxis::extent, "rad to either side; pi: all round.")
+      .def_ro("share", &lo::FreeAxis::share,
+              "Of the mode's weight within 5 deg and 10 mm of its pose; None: not known.")
       .def("__repr__", [](const lo::FreeAxis& self) {
         return fmt::format("FreeAxis(({:.3f}, {:.3f}, {:.3f}), +- {:.0f} deg)", self.direction.x(),
                            self.direction.y(), self.direction.z(), self.extent / kDegree);
@@ -138,6 +142,10 @@ void bind_mode(nb::module_& module) {
       .def_prop_ro(
           "covariance", [](const Mode& self) { return Covariance6(self.mode.covariance); },
           "Of [rotation; translation] of T_frame_object, frame's axes, (6, 6), rad and m.")
+      .def_prop_ro(
+          "family_covariance",
+          [](const Mode& self) { return Covariance6(lo::family_covariance(self.mode)); },
+          "The same, rad and m, with an even spread along the free axis, if there is one.")
       .def_prop_ro(
           "free_axis", [](const Mode& self) { return self.mode.free_axis; },
           "A free turn, or None.")
@@ -291,13 +299,15 @@ void bind_tracker(nb::module_& module) {
           "__init__",
           [](Tracker* self, nb::object model, const Posterior& start, std::uint64_t seed) {
             const SharedModel shared = model_from(model);
+            require_same_object(start, *shared);
             new (self) Tracker{
                 shared, lo::Tracker(*shared, start.found, {}, RandomStream(seed, "tracker"))};
           },
           "model"_a, "start"_a, nb::kw_only(), "seed"_a = 0,
           nb::sig("def __init__(self, model: ObjectModel, start: Posterior, *, seed: int = 0) -> "
                   "None"),
-          "From a posterior with modes.\n\nRaises ValueError for one without.")
+          "From a posterior with modes.\n\nRaises ValueError for one without, or of another "
+          "object.")
       .def(
           "update",
           [](Tracker& self, double time, const Contacts& contacts, nb::object velocities) {
@@ -321,6 +331,11 @@ void bind_tracker(nb::module_& module) {
 }
 
 }  // namespace
+
+void require_same_object(const Posterior& posterior, const geometry::ObjectModel& model) {
+  const std::string &mine = model.object().name, &other = posterior.model->object().name;
+  if (mine != other) throw BadInput(fmt::format("the posterior is of '{}', not '{}'", other, mine));
+}
 
 void bind_localization(nb::module_& module) {
   bind_mode(module);

@@ -4,7 +4,9 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/tuple.h>
 
+#include <cmath>
 #include <memory>
+#include <numbers>
 #include <tuple>
 #include <utility>
 
@@ -19,12 +21,22 @@ namespace palpate::python {
 
 template <>
 struct Fields<localization::FreeAxis> {
-  static auto of(localization::FreeAxis& it) { return std::tie(it.point, it.direction, it.extent); }
+  static auto of(localization::FreeAxis& it) {
+    return std::tie(it.point, it.direction, it.extent, it.share);
+  }
+  static void check(const localization::FreeAxis& it) {
+    if (it.extent >= 0 && it.extent <= 2 * std::numbers::pi) return;
+    throw BadInput(fmt::format("a free axis of +- {} rad", it.extent));
+  }
 };
 template <>
 struct Fields<localization::Mode> {
   static auto of(localization::Mode& it) {
     return std::tie(it.T_frame_object, it.weight, it.covariance, it.free_axis);
+  }
+  static void check(const localization::Mode& it) {
+    if (it.weight >= 0 && std::isfinite(it.weight)) return;
+    throw BadInput(fmt::format("a mode of weight {}", it.weight));
   }
 };
 template <>

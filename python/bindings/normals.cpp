@@ -64,7 +64,8 @@ void bind_normals(nb::module_& module) {
           "status",
           [](const Estimate& self) { return std::string(tactile::to_string(self.status)); },
           "'none', 'tracked', or 'held' where the sample was of no use.")
-      .def_ro("normal", &Estimate::n, "Outward unit normal of the object, (3,); nan without one.")
+      .def_ro("normal", &Estimate::n, nb::rv_policy::copy,
+              "Outward unit normal of the object, (3,); nan without one.")
       .def_prop_ro(
           "covariance",
           [](const Estimate& self) -> std::optional<Rotation3> {

@@ -10,6 +10,7 @@
 #include <string>
 #include <tuple>
 #include <type_traits>
+#include <typeinfo>
 #include <utility>
 #include <vector>
 
@@ -19,13 +20,18 @@
 namespace palpate::python {
 
 /// The members by which a plain struct is kept in a pickle: a specialisation for each such struct
-/// has a static of(value), which ties them. A pickle is of the same version of the package.
+/// has a static of(value), which ties them, and, where not every value will do, a static
+/// check(value), which throws BadInput. A pickle is of the same version of the package.
 template <class T>
 struct Fields;
 
 template <class T>
 concept HasFields = requires(T& value) {
   Fields<T>::of(value);
+};
+template <class T>
+concept HasCheck = requires(const T& value) {
+  Fields<T>::check(value);
 };
 
 /// What a pickle keeps of a value, and the value again. Numbers, strings and matrices are kept as
@@ -62,6 +68,7 @@ struct Kept {
             (Kept<std::remove_cvref_t<decltype(member)>>::into(parts[next++], member), ...);
           },
           members);
+      if constexpr (HasCheck<T>) Fields<T>::check(value);
     } else if constexpr (std::is_enum_v<T>) {
       value = static_cast<T>(nb::cast<int>(kept));
     } else {
@@ -73,7 +80,7 @@ struct Kept {
 template <>
 struct Kept<Eigen::Isometry3d> {
   static nb::object of(const Eigen::Isometry3d& T) { return nb::cast(pose(T)); }
-  static void into(nb::handle kept, Eigen::Isometry3d& T) { T.matrix() = nb::cast<Pose4>(kept); }
+  static void into(nb::handle kept, Eigen::Isometry3d& T) { T = pose_from(kept, "state"); }
 };
 
 template <>
@@ -125,15 +132,24 @@ struct Kept<std::map<std::string, T>> {
   }
 };
 
+/// The value that a state is of.
+/// @throws BadInput for a state that is none, or is damaged
+template <class T>
+T restored(nb::handle state) {
+  T value{};
+  try {
+    Kept<T>::into(state, value);
+  } catch (const std::bad_cast&) {
+    throw BadInput("a state holds a value of another type: of another version of palpate?");
+  }
+  return value;
+}
+
 /// Lets pickle and copy.deepcopy() take a struct by its Fields.
 template <class T, class... Extra>
 void bind_pickle(nb::class_<T, Extra...>& bound) {
   bound.def("__getstate__", [](const T& self) { return Kept<T>::of(self); })
-      .def("__setstate__", [](T* self, nb::object state) {
-        T value{};
-        Kept<T>::into(state, value);
-        new (self) T(std::move(value));
-      });
+      .def("__setstate__", [](T* self, nb::object state) { new (self) T(restored<T>(state)); });
 }
 
 }  // namespace palpate::python

@@ -130,8 +130,8 @@ void bind_result(nb::module_& module) {
       .def_prop_ro(
           "kind", [](const Motion& self) { return std::string(re::to_string(self.kind)); },
           "'rotation', 'translation', 'screw' or 'scaling'.")
-      .def_ro("direction", &Motion::direction, "(3,), unit, target frame.")
-      .def_ro("point", &Motion::point, "(3,), on the axis, m.")
+      .def_ro("direction", &Motion::direction, nb::rv_policy::copy, "(3,), unit, target frame.")
+      .def_ro("point", &Motion::point, nb::rv_policy::copy, "(3,), on the axis, m.")
       .def_ro("pitch", &Motion::pitch, "Of a screw, m/rad.")
       .def("__repr__", [](const Motion& self) {
         return fmt::format("FreeMotion({})", re::to_string(self.kind));

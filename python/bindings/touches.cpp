@@ -17,11 +17,25 @@
 #include "pickle.hpp"
 
 namespace palpate::python {
+namespace {
+
+void check_positive(const char* what, double value) {
+  if (value > 0 && std::isfinite(value)) return;
+  throw BadInput(fmt::format("{} is {}, not positive", what, value));
+}
+
+}  // namespace
 
 template <>
 struct Fields<localization::TouchAction> {
   static auto of(localization::TouchAction& it) {
     return std::tie(it.start, it.direction, it.reach, it.seconds);
+  }
+  static void check(const localization::TouchAction& it) {
+    if (!it.start.allFinite()) throw BadInput("start is not finite");
+    if (!(std::abs(it.direction.norm() - 1) < 1e-6)) throw BadInput("direction has no direction");
+    check_positive("reach", it.reach);
+    check_positive("seconds", it.seconds);
   }
 };
 template <>
@@ -36,18 +50,10 @@ namespace {
 namespace lo = localization;
 using namespace nb::literals;
 
-void check_positive(const char* what, double value) {
-  if (value > 0 && std::isfinite(value)) return;
-  throw BadInput(fmt::format("{} is {}, not positive", what, value));
-}
-
 lo::TouchAction make_action(nb::object start, nb::object direction, double reach, double seconds) {
   const lo::TouchAction action{vector_from(start, "start"),
                                vector_from(direction, "direction").normalized(), reach, seconds};
-  if (!action.start.allFinite()) throw BadInput("start is not finite");
-  if (!(std::abs(action.direction.norm() - 1) < 1e-6)) throw BadInput("direction has no direction");
-  check_positive("reach", reach);
-  check_positive("seconds", seconds);
+  Fields<lo::TouchAction>::check(action);
   return action;
 }
 
@@ -71,8 +77,8 @@ void bind_touches(nb::module_& module) {
           "start (3,): of the ball's centre, m; direction (3,), any length; reach, m; seconds: "
           "what it costs.\n\nRaises ValueError for other shapes, no direction, and numbers that "
           "are not positive.")
-      .def_ro("start", &Action::start, "(3,), m.")
-      .def_ro("direction", &Action::direction, "(3,), unit.")
+      .def_ro("start", &Action::start, nb::rv_policy::copy, "(3,), m.")
+      .def_ro("direction", &Action::direction, nb::rv_policy::copy, "(3,), unit.")
       .def_ro("reach", &Action::reach, "m.")
       .def_ro("seconds", &Action::seconds, "s.")
       .def("__repr__", [](const Action& self) {
@@ -87,7 +93,8 @@ void bind_touches(nb::module_& module) {
   bind_pickle(predicted);
   predicted.def_ro("hit", &Predicted::hit, "Whether the ball meets the object.")
       .def_ro("distance", &Predicted::distance, "Gone by the ball, m.")
-      .def_ro("normal", &Predicted::normal, "Of the object there, (3,); zero after a miss.")
+      .def_ro("normal", &Predicted::normal, nb::rv_policy::copy,
+              "Of the object there, (3,); zero after a miss.")
       .def("__repr__", [](const Predicted& self) {
         return self.hit ? fmt::format("PredictedTouch(hit after {:.1f} mm)", 1e3 * self.distance)
                         : std::string("PredictedTouch(miss)");

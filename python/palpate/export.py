@@ -16,6 +16,7 @@ import os
 import pathlib
 import shutil
 import sys
+import tempfile
 
 import numpy as np
 
@@ -222,6 +223,7 @@ def _task_table(tasks):
 
 
 def _write_lerobot(episodes, folder):
+    """Returns the number of steps."""
     pa, pq = _needed("pyarrow"), _needed("pyarrow.parquet")
     tasks, tables = _tables(episodes)
     for part in ["meta/episodes/chunk-000", "data/chunk-000"]:
@@ -236,6 +238,7 @@ def _write_lerobot(episodes, folder):
     (folder / "meta/stats.json").write_text(json.dumps(statistics, indent=2))
     info = _info(episodes, tasks, tables)
     (folder / "meta/info.json").write_text(json.dumps(info, indent=2))
+    return info["total_frames"]
 
 
 def _box(size):
@@ -250,6 +253,7 @@ def _box(size):
 
 
 def _write_minari(episodes, folder):
+    """Returns the number of steps: one less an episode than of ticks, for each leads to a next."""
     h5py = _needed("h5py")
     (folder / "data").mkdir()
     observed = [name for name in episodes[0].features if name != "action"]
@@ -278,9 +282,48 @@ def _write_minari(episodes, folder):
         "action_space": json.dumps(_box(episodes[0].features["action"].shape[1])),
     }
     (folder / "data/metadata.json").write_text(json.dumps(metadata, indent=2))
+    return metadata["total_steps"]
 
 
 _WRITERS = {"lerobot": _write_lerobot, "minari": _write_minari}
+_FILES = {  # that each writes
+    "lerobot": {
+        "data/chunk-000/file-000.parquet",
+        "meta/episodes/chunk-000/file-000.parquet",
+        "meta/info.json",
+        "meta/stats.json",
+        "meta/tasks.parquet",
+    },
+    "minari": {"data/main_data.hdf5", "data/metadata.json"},
+}
+_MARKS = {  # by which a data set is known
+    "lerobot": ["meta/info.json"],
+    "minari": ["data/main_data.hdf5", "data/metadata.json"],
+}
+
+
+def _files_of(folder):
+    """Paths, from there, of all but the folders that hold something."""
+    return {
+        path.relative_to(folder).as_posix()
+        for path in folder.rglob("*")
+        if path.is_symlink() or not path.is_dir() or not any(path.iterdir())
+    }
+
+
+def _require_replaceable(format, out, recordings):
+    """Raises ValueError for a folder that holds something else than a data set of that format."""
+    if out.is_symlink() or not out.is_dir():
+        raise ValueError(f"{out} is no folder, and is not overwritten")
+    for recording in recordings:
+        if pathlib.Path(recording).resolve().is_relative_to(out.resolve()):
+            raise ValueError(f"{out} holds the recording {recording}, and is not overwritten")
+    if not any(out.iterdir()):
+        return
+    if not all((out / mark).is_file() for mark in _MARKS[format]):
+        raise ValueError(f"{out} is no {format} data set, and is not overwritten")
+    if others := sorted(_files_of(out) - _FILES[format]):
+        raise ValueError(f"{out} holds {others[0]}, too, and is not overwritten")
 
 
 def export(format, recordings, out, force=False):
@@ -289,7 +332,8 @@ def export(format, recordings, out, force=False):
 
     The folder is complete or absent. Returns the number of steps written. Raises ValueError for
     another format, for what is no recording of one hand, and for a folder that exists, unless
-    `force`; ImportError without h5py, or pyarrow for LeRobot.
+    `force` is set and the folder is empty or such a data set, with nothing else in it; ImportError
+    without h5py, or pyarrow for LeRobot.
     """
     if format not in _WRITERS:
         raise ValueError(f"format {format!r}: it is one of {', '.join(_WRITERS)}")
@@ -298,21 +342,24 @@ def export(format, recordings, out, force=False):
         raise ValueError(f"{out} exists; --force overwrites it")
     if isinstance(recordings, (str, os.PathLike)):
         recordings = [recordings]
+    recordings = list(recordings)
+    if out.exists():
+        _require_replaceable(format, out, recordings)
     episodes = [read_episode(path) for path in recordings]
     if not episodes:
         raise ValueError("0 recordings")
     _same_hand(episodes)
-    partial = out.with_name(out.name + ".partial")
-    shutil.rmtree(partial, ignore_errors=True)
-    partial.mkdir(parents=True)
-    try:
-        _WRITERS[format](episodes, partial)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(
+        dir=out.parent, prefix=out.name + ".", suffix=".partial"
+    ) as beside:
+        partial = pathlib.Path(beside) / out.name
+        partial.mkdir()
+        steps = _WRITERS[format](episodes, partial)
         if out.exists():
             shutil.rmtree(out)
         partial.rename(out)
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
-    return sum(len(episode.time) for episode in episodes)
+    return steps
 
 
 def main(arguments=None):
@@ -321,7 +368,7 @@ def main(arguments=None):
     parser.add_argument("format", choices=sorted(_WRITERS))
     parser.add_argument("recording", nargs="+", help="recording.h5 of a pick")
     parser.add_argument("--out", help="folder to write (default: beside the first recording)")
-    parser.add_argument("--force", action="store_true", help="overwrite the folder")
+    parser.add_argument("--force", action="store_true", help="overwrite such a data set")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
     chosen = parser.parse_args(arguments)
     out = chosen.out or pathlib.Path(chosen.recording[0]).with_suffix("." + chosen.format)

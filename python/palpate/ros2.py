@@ -6,7 +6,9 @@
 /palpate/status out. ROS_DOMAIN_ID and CYCLONEDDS_URI choose domain and network, as for a ROS node.
 """
 
+import operator as _operator
 import os as _os
+import re as _re
 import time as _time
 
 import numpy as _np
@@ -33,13 +35,35 @@ _FLOATS = {7: "<f4", 8: "<f8"}  # sensor_msgs/PointField
 _XYZ = ("x", "y", "z")
 _NORMAL = ("normal_x", "normal_y", "normal_z")
 _FORCE = ("force_x", "force_y", "force_z")
+_SIGMAS = {"point_sigma": 0.001, "normal_sigma": _np.radians(10)}  # m, rad: where none is stated
+_MAX_DOMAIN = 232
+
+
+def _default_domain():
+    """ROS_DOMAIN_ID, or 0 where it is not set or empty."""
+    text = _os.environ.get("ROS_DOMAIN_ID", "")
+    if not text:
+        return 0
+    if not (_re.fullmatch("-?[0-9]+", text) and 0 <= int(text) <= _MAX_DOMAIN):
+        raise ValueError(f"ROS_DOMAIN_ID is {text!r}, not 0 to {_MAX_DOMAIN}")
+    return int(text)
+
+
+def _domain(domain):
+    number = _operator.index(domain)
+    if not 0 <= number <= _MAX_DOMAIN:
+        raise ValueError(f"domain is {number}, not 0 to {_MAX_DOMAIN}")
+    return number
 
 
 class Node:
-    """A participant in a ROS 2 domain: ROS_DOMAIN_ID, or 0, unless `domain` is given."""
+    """A participant in a ROS 2 domain: ROS_DOMAIN_ID, or 0, unless `domain` is given.
+
+    Raises ValueError for a domain that is not 0 to 232.
+    """
 
     def __init__(self, domain=None):
-        self.domain = int(_os.environ.get("ROS_DOMAIN_ID", 0)) if domain is None else domain
+        self.domain = _default_domain() if domain is None else _domain(domain)
         self._participant = _DomainParticipant(self.domain)
         self._qos = _Qos(
             _Policy.Reliability.Reliable(_duration(seconds=1)),
@@ -81,14 +105,30 @@ def _columns(cloud, values, names):
     return _np.stack(columns, axis=1)
 
 
+def _sigmas(cloud, values):
+    """The errors that the points state, and the usual one for those that state none, (N,) each."""
+    sigmas = {}
+    for name, usual in _SIGMAS.items():
+        column = _columns(cloud, values, (name,))
+        if column is None:
+            continue
+        column = column[:, 0]
+        if _np.isnan(column).any():
+            raise ValueError(f"contact {_np.isnan(column).argmax()}: {name} is nan")
+        sigmas[name] = _np.where(column > 0, column, usual)
+    return sigmas
+
+
 def contacts_of_cloud(cloud):
     """Contacts of a sensor_msgs/PointCloud2, in its frame.
 
     Fields x, y, z (m); where there are any, normal_x, normal_y, normal_z: outward of the object;
     force_x, force_y, force_z: of the finger on the object (N); point_sigma (m) and normal_sigma
-    (rad), of which 0 means not stated. 32 or 64-bit floats. Returns Contacts of N points.
+    (rad), of which 0 means not stated: 0.001 m, 10 deg. 32 or 64-bit floats. Returns Contacts of N
+    points.
 
-    Raises ValueError for a cloud without x, y, z, other types, and data that do not fit.
+    Raises ValueError for a cloud without x, y, z, other types, data that do not fit, and errors
+    that are nan.
     """
     count = cloud.width * cloud.height
     data = _np.frombuffer(bytes(cloud.data), dtype=_np.uint8)
@@ -104,14 +144,8 @@ def contacts_of_cloud(cloud):
     points = _columns(cloud, values, _XYZ)
     if points is None:
         raise ValueError(f"a cloud of {', '.join(field.name for field in cloud.fields)}, not x, y, z")
-    errors = {}
-    for name in ("point_sigma", "normal_sigma"):
-        column = _columns(cloud, values, (name,))
-        if column is not None and (column > 0).all():
-            errors[name] = column[:, 0]
-    return _Contacts(
-        points, _columns(cloud, values, _NORMAL), _columns(cloud, values, _FORCE), **errors
-    )
+    normals, forces = _columns(cloud, values, _NORMAL), _columns(cloud, values, _FORCE)
+    return _Contacts(points, normals, forces, **_sigmas(cloud, values))
 
 
 class TopicSensor(_Sensor):
@@ -186,7 +220,7 @@ class EstimatePublisher:
         modes = posterior.modes
         if modes:
             order = [3, 4, 5, 0, 1, 2]  # ROS has the translation first
-            covariance = modes[0].covariance[_np.ix_(order, order)]
+            covariance = modes[0].family_covariance[_np.ix_(order, order)]
             pose = _messages.PoseWithCovariance(
                 _pose(modes[0].T_frame_object), covariance.ravel().tolist()
             )

@@ -18,10 +18,18 @@ struct Fields<skills::PhaseReport> {
 template <>
 struct Fields<skills::FaultReport> {
   static auto of(skills::FaultReport& it) { return std::tie(it.fault, it.detail, it.time); }
+  static void check(const skills::FaultReport& it) {
+    if (static_cast<std::size_t>(it.fault) < skills::kFaultNames.size()) return;
+    throw BadInput(fmt::format("a fault of number {}", static_cast<int>(it.fault)));
+  }
 };
 template <>
 struct Fields<evaluation::TrialEvent> {
   static auto of(evaluation::TrialEvent& it) { return std::tie(it.event, it.time); }
+  static void check(const evaluation::TrialEvent& it) {
+    if (static_cast<std::size_t>(it.event) < estimation::kTouchEventNames.size()) return;
+    throw BadInput(fmt::format("an event of number {}", static_cast<int>(it.event)));
+  }
 };
 template <>
 struct Fields<evaluation::TrialMetrics> {  // what Python cannot see is left out

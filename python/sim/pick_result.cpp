@@ -37,8 +37,7 @@ nb::object state(const PickResult& result) {
 }
 
 void restore(PickResult* self, const std::tuple<nb::object, Posterior>& state) {
-  PickResult result;
-  Kept<PickResult>::into(std::get<0>(state), result);
+  auto result = restored<PickResult>(std::get<0>(state));
   result.picked.estimate.posterior = std::get<1>(state).found;
   result.model = std::get<1>(state).model;
   new (self) PickResult(std::move(result));

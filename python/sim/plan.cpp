@@ -49,6 +49,13 @@ struct Fields<Plan> {
     return std::tie(it.status, it.faults, it.unreachable, it.samples, it.corners, it.arrivals,
                     it.checks, it.seconds);
   }
+  static void check(const Plan& it) {
+    constexpr Eigen::Index kMost = pl::kBaseCoordinates + hand::kMaxJoints;
+    const Eigen::Index width = it.samples.cols();
+    if (it.samples.rows() == 0 || (width >= pl::kBaseCoordinates && width <= kMost)) return;
+    throw BadInput(
+        fmt::format("samples of {} values, not {} to {}", width, +pl::kBaseCoordinates, kMost));
+  }
 };
 
 namespace {
@@ -244,9 +251,10 @@ void bind_result(nb::module_& module) {
           "Of 'no_path': the waypoint to which there is none; else None.")
       .def_prop_ro("commands", &commands_of, "A HandCommand a tick of 10 ms, from start to end.",
                    nb::sig("def commands(self) -> list[palpate._core.HandCommand]"))
-      .def_ro("samples", &Plan::samples,
+      .def_ro("samples", &Plan::samples, nb::rv_policy::copy,
               "The same as rows (T, 6 + A): base x, y, z (m), yaw, pitch, roll, actuators (rad).")
-      .def_ro("corners", &Plan::corners, "Rows of the path's vertices, all waypoints among them.")
+      .def_ro("corners", &Plan::corners, nb::rv_policy::copy,
+              "Rows of the path's vertices, all waypoints among them.")
       .def_ro("arrivals", &Plan::arrivals, "Sample at which each waypoint is reached.")
       .def_prop_ro("duration", &duration, "s.")
       .def_ro("checks", &Plan::checks, "Configurations that were checked for collision.")

@@ -128,7 +128,7 @@ class Export(unittest.TestCase):
     def test_minari_reads_its_data_set(self):
         from minari import MinariDataset
 
-        self.assertEqual(export.export("minari", [self.recording], self.out), TICKS)
+        self.assertEqual(export.export("minari", [self.recording], self.out), TICKS - 1)
         dataset = MinariDataset(self.out / "data")
         self.assertEqual((dataset.total_episodes, dataset.total_steps), (1, TICKS - 1))
         episode = dataset[0]
@@ -156,7 +156,12 @@ class Export(unittest.TestCase):
             export.read_episode(self.recording)
 
     def test_one_recording_may_be_a_path(self):
-        self.assertEqual(export.export("minari", str(self.recording), self.out), TICKS)
+        self.assertEqual(export.export("minari", str(self.recording), self.out), TICKS - 1)
+
+    def test_steps_are_those_of_the_data_set(self):
+        steps = export.export("minari", [self.recording] * 2, self.out)
+        metadata = json.loads((self.out / "data/metadata.json").read_text())
+        self.assertEqual((steps, metadata["total_steps"]), (2 * (TICKS - 1),) * 2)
 
     def test_bad_input_is_named_and_leaves_nothing(self):
         text = self.folder / "text.h5"
@@ -181,8 +186,59 @@ class Export(unittest.TestCase):
         self.assertIn("--force", errors.getvalue())
         with contextlib.redirect_stdout(io.StringIO()) as printed:
             self.assertEqual(export.main([*arguments, "--force", "--json"]), export.DONE)
-        report = {"path": str(self.out), "messages": TICKS}
+        report = {"path": str(self.out), "messages": TICKS - 1}
         self.assertEqual(json.loads(printed.getvalue()), report)
+
+    def refuses_to_overwrite(self, format, words):
+        """And leaves all files as they are."""
+        before = {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file()}
+        with self.assertRaisesRegex(ValueError, f"{self.out.name}.* {words}.*not overwritten"):
+            export.export(format, [self.recording], self.out, force=True)
+        after = {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file()}
+        self.assertEqual(before, after)
+
+    def test_force_overwrites_such_a_data_set_alone(self):
+        export.export("minari", [self.recording] * 2, self.out)
+        self.assertEqual(export.export("minari", [self.recording], self.out, force=True), TICKS - 1)
+        self.refuses_to_overwrite("lerobot", "no lerobot data set")
+        for other in ["notes.txt", "data/recording.h5", "videos"]:
+            path = self.out / other
+            path.mkdir() if other == "videos" else path.write_text("of somebody")
+            self.refuses_to_overwrite("minari", f"holds {other}")
+            path.rmdir() if other == "videos" else path.unlink()
+        (self.out / "data/main_data.hdf5").unlink()
+        self.refuses_to_overwrite("minari", "no minari data set")
+
+    @needs("pyarrow")
+    def test_force_overwrites_a_lerobot_data_set(self):
+        for _ in range(2):
+            export.export("lerobot", [self.recording], self.out, force=True)
+        (self.out / "README.md").write_text("of somebody")
+        self.refuses_to_overwrite("lerobot", "holds README.md")
+
+    def test_force_keeps_the_folder_of_a_recording(self):
+        self.out = self.folder
+        self.refuses_to_overwrite("minari", "holds the recording")
+        self.out = self.recording
+        self.refuses_to_overwrite("minari", "no folder")
+        self.out = self.folder / "picks"
+        export.export("minari", [self.recording], self.out)
+        inside = self.out / "data/recording.h5"
+        inside.symlink_to(self.recording)
+        self.refuses_to_overwrite("minari", "holds data/recording.h5")
+        inside.unlink()
+        self.recording.rename(inside)
+        self.recording = self.folder / "link.h5"
+        self.recording.symlink_to(inside)
+        self.refuses_to_overwrite("minari", "holds the recording")
+
+    def test_folders_of_others_beside_it_are_kept(self):
+        kept = self.out.with_name(self.out.name + ".partial") / "notes.txt"
+        kept.parent.mkdir()
+        kept.write_text("of somebody")
+        export.export("minari", [self.recording], self.out)
+        self.assertEqual(kept.read_text(), "of somebody")
+        self.assertEqual(list(self.folder.glob("*.partial")), [kept.parent])
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 import unittest
+from unittest import mock
 
 import numpy as np
 import palpate
@@ -89,6 +90,30 @@ class Ros2Clouds(unittest.TestCase):
         bare = ros2.contacts_of_cloud(self.cloud([[1, 2, 3]], names=FIELDS[:3]))
         self.assertIsNone(bare.normals)
         self.assertEqual(len(ros2.contacts_of_cloud(self.cloud(np.zeros((0, 10))))), 0)
+
+    def test_each_contact_states_its_own_errors_or_none(self):
+        names = [*FIELDS[:3], "normal_sigma", "point_sigma"]
+        rows = [[0, 0, 0, 0.2, 0.005], [1, 0, 0, 0.3, 0], [2, 0, 0, 0, 0.007]]
+        contacts = ros2.contacts_of_cloud(self.cloud(rows, names=names))
+        np.testing.assert_allclose(contacts.point_sigma, [0.005, 0.001, 0.007], rtol=1e-6)
+        np.testing.assert_allclose(contacts.normal_sigma, [0.2, 0.3, np.radians(10)], rtol=1e-6)
+        for column, name in ((3, "normal_sigma"), (4, "point_sigma")):
+            damaged = np.array(rows)
+            damaged[1, column] = np.nan
+            with self.assertRaisesRegex(ValueError, f"contact 1: {name} is nan"):
+                ros2.contacts_of_cloud(self.cloud(damaged, names=names))
+
+    def test_a_domain_must_be_one(self):
+        for text, domain in (("", 0), ("0", 0), ("7", 7), ("232", 232)):
+            with mock.patch.dict(os.environ, ROS_DOMAIN_ID=text):
+                self.assertEqual(ros2._default_domain(), domain)
+        for text in ("x", "-1", "233", "300", "7 ", "1_0", "+1"):
+            with mock.patch.dict(os.environ, ROS_DOMAIN_ID=text):
+                with self.assertRaisesRegex(ValueError, "ROS_DOMAIN_ID is .*, not 0 to 232"):
+                    ros2.Node()
+        for domain in (-1, 233, 300):
+            with self.assertRaisesRegex(ValueError, f"domain is {domain}, not 0 to 232"):
+                ros2.Node(domain)
 
     def test_clouds_that_are_none_are_refused(self):
         with self.assertRaisesRegex(ValueError, "a cloud of x, y, not x, y, z"):
