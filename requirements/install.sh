@@ -14,6 +14,8 @@ readonly debian_packages=(
   libboost-dev libegl1 libegl-dev libgl1-mesa-dri libopengl0 libpng-dev libompl-dev libnlopt-dev cyclonedds-dev
   libzstd-dev liblz4-dev)
 
+readonly sanitizer_packages=(clang-19 libclang-rt-19-dev llvm-19)  # llvm: names in stack traces
+
 say() { printf '==> %s\n' "$*" >&2; }
 
 die() { printf 'dev: %s\n' "$*" >&2; exit 3; }
