@@ -13,7 +13,7 @@
 
 namespace palpate::fuzz {
 
-constexpr unsigned kMaxSeconds = 20;   // for one input
+constexpr unsigned kMaxSeconds = 20;    // for one input
 constexpr int kMaxMegabytes = 4 << 10;  // of memory
 
 struct Budget {

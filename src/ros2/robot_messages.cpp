@@ -166,7 +166,9 @@ EstimateMessages messages_of(const localization::Posterior& posterior,
                                   static_cast<std::uint32_t>(posterior.modes.size())}};
   if (posterior.modes.empty()) return messages;
   const auto& best = posterior.modes.front();
-  messages.pose = {{header, {pose_of(best.T_frame_object), ros_covariance(localization::family_covariance(best))}}};
+  messages.pose = {
+      {header,
+       {pose_of(best.T_frame_object), ros_covariance(localization::family_covariance(best))}}};
   messages.tf.transforms = {
       transform_stamped(header.stamp, interface.world, kObjectFrame, best.T_frame_object)};
   return messages;

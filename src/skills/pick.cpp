@@ -46,7 +46,7 @@ GraspChooser once(const grasping::GraspPlan& grasp) {
   };
 }
 
-constexpr double kLowest = 0.1;      // m, of the mount where an object is to be grasped
+constexpr double kLowest = 0.1;  // m, of the mount where an object is to be grasped
 
 /// Why the mount cannot come to a place in any of the directions from which grasps are tried.
 std::string place_obstacle(const Executor& robot, const Eigen::Vector2d& place) {

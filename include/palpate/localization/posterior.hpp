@@ -26,7 +26,7 @@ struct FreeAxis {
 /// A cluster of credible poses.
 struct Mode {
   Eigen::Isometry3d T_frame_object = Eigen::Isometry3d::Identity();
-  double weight = 0;                       ///< share of the posterior mass
+  double weight = 0;  ///< share of the posterior mass
   /// Of [rotation; translation], frame's axes; where there is a free axis, about the family.
   Matrix6d covariance = Matrix6d::Zero();
   std::optional<FreeAxis> free_axis;
@@ -70,7 +70,8 @@ PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
 Matrix6d family_covariance(const Mode& mode);
 
 /// The probability stated for the pose of a mode itself: that the object is within 5 deg and 10 mm
-/// of it, modulo its symmetries. Of a family about a free axis that is the share of its weight there.
+/// of it, modulo its symmetries. Of a family about a free axis that is the share of its weight
+/// there.
 double pose_probability(const Mode& mode);
 
 /// That of the best pose; 0 where there is none.
