@@ -24,13 +24,13 @@ namespace fs = std::filesystem;
 constexpr std::size_t kSeed = sizeof(std::uint64_t);
 
 /// What libFuzzer's functions, which have no argument for it, work on.
-struct Session {
+struct GuidedRun {
   const Target& target;
   Inputs inputs;
   fs::path folder;
   std::size_t runs = 0, accepted = 0;
 };
-Session* session = nullptr;
+GuidedRun* guided = nullptr;
 
 std::uint64_t seed_of(const std::uint8_t* data) {
   std::uint64_t seed = 0;
@@ -40,20 +40,20 @@ std::uint64_t seed_of(const std::uint8_t* data) {
 
 int try_one(const std::uint8_t* data, std::size_t size) {
   if (size < kSeed) return -1;
-  RandomStream random(seed_of(data), session->target.name);
+  RandomStream random(seed_of(data), guided->target.name);
   const std::string_view input(reinterpret_cast<const char*>(data) + kSeed, size - kSeed);
-  ++session->runs;
-  session->accepted += try_input(session->target, input, session->folder, random) ? 1 : 0;
+  ++guided->runs;
+  guided->accepted += try_input(guided->target, input, guided->folder, random) ? 1 : 0;
   return 0;
 }
 
 std::size_t change_bytes(std::uint8_t* bytes, std::size_t size, std::size_t max_size,
                          RandomStream& random) {
-  if (!session->target.keep_bytes && random.index(3) == 0) {
+  if (!guided->target.keep_bytes && random.index(3) == 0) {
     return LLVMFuzzerMutate(bytes, size, max_size);
   }
   const std::string changed =
-      session->inputs.changed({reinterpret_cast<const char*>(bytes), size}, random);
+      guided->inputs.changed({reinterpret_cast<const char*>(bytes), size}, random);
   const std::size_t length = std::min(changed.size(), max_size);
   std::memcpy(bytes, changed.data(), length);
   return length;
@@ -63,23 +63,23 @@ std::size_t change_bytes(std::uint8_t* bytes, std::size_t size, std::size_t max_
 /// sample.
 void write_seeds(const fs::path& corpus) {
   fs::create_directories(corpus);
-  const auto& seeds = session->inputs.seeds();
-  const std::size_t first = session->target.keep_bytes ? seeds.size() - 1 : 0;
+  const auto& seeds = guided->inputs.seeds();
+  const std::size_t first = guided->target.keep_bytes ? seeds.size() - 1 : 0;
   for (std::size_t i = first; i < seeds.size(); ++i) {
     write_file_atomically(corpus / fmt::format("seed-{}", i), std::string(kSeed, '\0') + seeds[i]);
   }
 }
 
 void end() {
-  if (!report(session->target, session->runs, session->accepted)) std::_Exit(1);
+  if (!report(guided->target, guided->runs, guided->accepted)) std::_Exit(1);
 }
 
 }  // namespace
 
 void run_guided(const Target& target, const Budget& budget, const fs::path& source,
                 const fs::path& work) {
-  static Session current{target, Inputs(target, source, work), work};
-  session = &current;
+  static GuidedRun current{target, Inputs(target, source, work), work};
+  guided = &current;
   write_seeds(work / "corpus");
   std::vector<std::string> arguments = {
       "palpate_fuzz",
@@ -111,7 +111,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
   if (max_size <= kSeed) return size;
   if (size < kSeed) std::memset(data + size, 0, kSeed - size);
   palpate::RandomStream random(seed);
-  if (session->target.finish && (session->target.keep_bytes || random.index(2) == 0)) {
+  if (guided->target.finish && (guided->target.keep_bytes || random.index(2) == 0)) {
     const std::uint64_t bits = random.bits();
     std::memcpy(data, &bits, kSeed);
     return std::max(size, kSeed);
