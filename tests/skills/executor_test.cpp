@@ -12,6 +12,7 @@
 #include "palpate/hand/shadow.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/phase.hpp"
+#include "palpate/skills/stop_conditions.hpp"
 
 namespace palpate::skills {
 namespace {

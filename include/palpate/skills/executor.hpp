@@ -198,16 +198,4 @@ class Executor {
   std::unique_ptr<Watchdog> watchdog_;  ///< none for a simulated hand
 };
 
-/// Stop condition: the base has pushed along `direction` (unit, world) with more than `load` (N)
-/// for some ticks in a row. The load of setting out, in the first moments of a motion, does not
-/// count.
-Executor::StopCondition lasting_load(const Executor& robot, const Eigen::Vector3d& direction,
-                                     double load);
-
-/// Stop condition: for some ticks in a row the base has pushed along `direction` (unit, world) with
-/// `load` (N) more than its steady motion takes. That is measured in the motion's first half
-/// second, in which nothing stops it.
-Executor::StopCondition rising_load(const Executor& robot, const Eigen::Vector3d& direction,
-                                    double load);
-
 }  // namespace palpate::skills

@@ -9,10 +9,10 @@
 #include <numbers>
 
 #include "palpate/hand/tip_forces.hpp"
+#include "palpate/skills/stop_conditions.hpp"
 #include "skills/explore/extents.hpp"
 #include "skills/explore/guarded_moves.hpp"
 #include "skills/explore/pointing_finger.hpp"
-#include "skills/impact.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"

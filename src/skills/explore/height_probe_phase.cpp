@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "palpate/skills/stop_conditions.hpp"
 #include "skills/lowest_part.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/take_posture.hpp"

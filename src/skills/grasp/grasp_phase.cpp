@@ -11,6 +11,7 @@
 #include "palpate/grasping/force_distribution.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/explore/height_probe_phase.hpp"
+#include "palpate/skills/stop_conditions.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "skills/grasp/closing_watch.hpp"
 #include "skills/grasp/predicted_contacts.hpp"

@@ -8,7 +8,7 @@
 
 #include "estimation/mean_load.hpp"
 #include "palpate/hand/tip_forces.hpp"
-#include "skills/load_below.hpp"
+#include "palpate/skills/stop_conditions.hpp"
 #include "skills/opening.hpp"
 
 namespace palpate::skills {

@@ -9,8 +9,8 @@
 
 #include "estimation/mean_load.hpp"
 #include "palpate/core/se3.hpp"
+#include "palpate/skills/stop_conditions.hpp"
 #include "skills/base_near.hpp"
-#include "skills/load_below.hpp"
 
 namespace palpate::skills {
 namespace {
