@@ -138,7 +138,7 @@ ContactFile read_contact_file(const LocalizeArguments& arguments) {
   ContactFile file{arguments.contacts, read_file(arguments.contacts), {}};
   file.contacts = lo::parse_contacts(file.text, file.name,
                                      {arguments.point_noise, arguments.normal_noise_deg * kDegree});
-  const bool alone = !arguments.table && arguments.planes.empty() && arguments.prior.empty();
+  const bool alone = !arguments.table && arguments.prior.empty();
   if (file.contacts.empty() && alone) {
     throw BadInput(file.name + " has no contacts: there is nothing below its header");
   }
@@ -150,8 +150,11 @@ lo::Evidence evidence_of(const LocalizeArguments& arguments, const LocalizeOptio
   check_together(file, geometry::bounds(object.mesh).diagonal().norm());
   lo::Evidence evidence;
   evidence.contacts = file.contacts;
+  if (!arguments.prior.empty()) {
+    evidence.prior = read_prior(arguments.prior, arguments.mesh, object.T_mesh_object);
+  }
   if (arguments.table) {
-    evidence.table = table_at(*arguments.table, evidence.contacts, object);
+    evidence.table = table_at(*arguments.table, evidence, object);
     evidence.table->centroid_sigma = options.centroid_sigma;
   } else if (options.centroid_sigma > 0) {
     throw BadInput(
@@ -161,9 +164,6 @@ lo::Evidence evidence_of(const LocalizeArguments& arguments, const LocalizeOptio
   }
   if (!arguments.free.empty()) evidence.free_space = lo::read_free_space(arguments.free);
   if (!arguments.planes.empty()) evidence.planes = lo::read_plane_contacts(arguments.planes);
-  if (!arguments.prior.empty()) {
-    evidence.prior = read_prior(arguments.prior, arguments.mesh, object.T_mesh_object);
-  }
   evidence.false_contact_share = options.false_contacts;
   evidence.noise_scale_prior = options.noise_scale_prior;
   evidence.size_prior = options.size_prior;

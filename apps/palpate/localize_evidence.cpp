@@ -54,6 +54,27 @@ lo::Mode mode_of(const nlohmann::json& entry, const Eigen::Isometry3d& T_mesh_ob
   return mode;
 }
 
+/// Of the object that a report names best, among several candidates; one of the single one.
+double object_probability(const nlohmann::json& report, const std::string& object) {
+  double probability = 1;
+  for (const auto& candidate : report.value("objects", nlohmann::json::array())) {
+    if (candidate.at("name") == object) probability = candidate.at("probability").get<double>();
+  }
+  return probability > 0 ? probability : 1;
+}
+
+/// Where the contacts are, or where nothing is touched the poses of what was known before.
+Eigen::AlignedBox3d rough_place(const lo::Evidence& evidence) {
+  Eigen::AlignedBox3d box;
+  for (const tactile::Contact& contact : evidence.contacts) box.extend(contact.p);
+  if (!box.isEmpty()) return box;
+  if (!evidence.prior) return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  for (const auto& component : evidence.prior->components) {
+    box.extend(component.T_frame_object.translation());
+  }
+  return box;
+}
+
 }  // namespace
 
 Matrix6d covariance_at(const Eigen::Vector3d& arm, const Matrix6d& covariance) {
@@ -62,16 +83,15 @@ Matrix6d covariance_at(const Eigen::Vector3d& arm, const Matrix6d& covariance) {
   return J * covariance * J.transpose();
 }
 
-lo::TableSupport table_at(double height, const std::vector<tactile::Contact>& contacts,
+lo::TableSupport table_at(double height, const lo::Evidence& evidence,
                           const geometry::KnownObject& object) {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  Eigen::AlignedBox3d box;
-  for (const tactile::Contact& contact : contacts) box.extend(contact.p);
-  if (!contacts.empty()) middle = box.center();
+  const Eigen::AlignedBox3d place = rough_place(evidence);
+  const Eigen::Vector3d middle = place.center();
   lo::TableSupport table;
   table.T_frame_table = Eigen::Isometry3d::Identity();
   table.T_frame_table.translation() << middle.x(), middle.y(), height;
   table.half_width = geometry::bounds(object.mesh).diagonal().norm();
+  if (evidence.contacts.empty()) table.half_width += 0.5 * place.diagonal().norm();
   return table;
 }
 
@@ -87,6 +107,13 @@ lo::PosePrior read_prior(const std::filesystem::path& path, const std::string& o
     for (const auto& entry : report.at("modes")) {
       before.modes.push_back(mode_of(entry, T_mesh_object));
     }
+    for (const auto& entry : report.at("residual_set")) {
+      const Eigen::Isometry3d T_contact_mesh =
+          pose_from_row_major(entry.get<std::array<double, 16>>());
+      before.residual_set.push_back(T_contact_mesh * T_mesh_object);
+    }
+    before.credible_mass = report.at("credible_mass").get<double>();
+    before = lo::weighted(std::move(before), 1 / object_probability(report, of));
     return lo::prior_from(before, Matrix6d::Zero());
   } catch (const nlohmann::json::exception&) {
     throw BadInput(fmt::format(

@@ -10,11 +10,12 @@
 namespace palpate::app {
 
 /// The object rests on a table at that height, somewhere under the contacts or within its own size
-/// of them; without contacts about the origin.
-localization::TableSupport table_at(double height, const std::vector<tactile::Contact>& contacts,
+/// of them; without contacts of where the prior has it, and without that about the origin.
+localization::TableSupport table_at(double height, const localization::Evidence& evidence,
                                     const geometry::KnownObject& object);
 
-/// The modes of a report of `palpate localize --json`, as a prior in the same frame.
+/// The posterior of a report of `palpate localize --json`, given that it is of the object that the
+/// report names, as a prior in the same frame.
 /// @param object  name or file of the object
 /// @throws BadInput for a file that is no such report, is of another object or has no modes
 localization::PosePrior read_prior(const std::filesystem::path& path, const std::string& object,

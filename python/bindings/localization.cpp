@@ -216,15 +216,16 @@ void bind_posterior(nb::module_& module) {
       .def("_repr_html_", &posterior_html);
 }
 
-lo::PosePrior prior_from(const Posterior& posterior, nb::object motion_covariance, double floor) {
-  if (!(floor > 0 && floor < 1)) {
-    throw BadInput(fmt::format("floor is {}, not between 0 and 1", floor));
+lo::PosePrior prior_from(const Posterior& posterior, nb::object motion_covariance,
+                         std::optional<double> floor) {
+  if (floor && !(*floor > 0 && *floor < 1)) {
+    throw BadInput(fmt::format("floor is {}, not between 0 and 1", *floor));
   }
   const bool moved = is_given(motion_covariance);
   lo::PosePrior prior = lo::prior_from(
       posterior.found,
       moved ? covariance_from(motion_covariance, "motion_covariance") : Matrix6d(Matrix6d::Zero()));
-  prior.floor = floor;
+  if (floor) prior.floor = *floor;
   return prior;
 }
 
@@ -274,13 +275,15 @@ void bind_evidence(nb::module_& module) {
         return fmt::format("PosePrior({} components)", self.components.size());
       });
   module.def("prior_from", &prior_from, "posterior"_a, "motion_covariance"_a = nb::none(),
-             nb::kw_only(), "floor"_a = lo::PosePrior().floor,
+             nb::kw_only(), "floor"_a = nb::none(),
              nb::sig("def prior_from(posterior: Posterior, motion_covariance: "
-                     "numpy.typing.ArrayLike | None = None, *, floor: float = 0.001) -> PosePrior"),
+                     "numpy.typing.ArrayLike | None = None, *, floor: float | None = None) -> "
+                     "PosePrior"),
              "What an earlier posterior says after a motion known up to a normal error, (6, 6) of "
              "[rotation; translation], rad and m. floor: density that every pose keeps, of the "
-             "peak's, so that touch can overrule the prior; with one or two contacts 1e-6 is "
-             "better.\n\nRaises ValueError without modes or for what is no covariance, and "
+             "peak's, so that touch can overrule the prior; by default that of the mass outside "
+             "the posterior's 95 % credible set, or 0.05, over all rotations and a cubic "
+             "decimetre.\n\nRaises ValueError without modes or for what is no covariance, and "
              "for a floor that is not between 0 and 1.");
 }
 

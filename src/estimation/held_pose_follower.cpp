@@ -99,7 +99,7 @@ localization::PosePrior HeldPoseFollower::prior() const {
   localization::Posterior moved = known_;
   transform(last.base.pose().inverse() * carried(), moved);
   const auto after = [&](double turn, double way) {
-    return localization::prior_from(moved, periods * motion_covariance(turn, way));
+    return localization::prior_from_modes(moved, periods * motion_covariance(turn, way));
   };
   localization::PosePrior prior;
   localization::append(after(options_.rotation_sigma, options_.translation_sigma),

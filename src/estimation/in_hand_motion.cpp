@@ -46,11 +46,12 @@ InHandMotion carried_step(const hand::Description& hand, std::span<const hand::H
   }
   InHandMotion motion;
   if (from.empty()) return motion;
-  if (std::ranges::count(carry, true) < 3) motion.loose = axes_through(to);
+  const bool turn_is_known = std::ranges::count(carry, true) >= 3;
+  if (!turn_is_known) motion.loose = axes_through(to);
   const auto count = static_cast<Eigen::Index>(from.size());
   const Eigen::Map<const Eigen::Matrix3Xd> P(from.data()->data(), 3, count);
   const Eigen::Map<const Eigen::Matrix3Xd> Q(to.data()->data(), 3, count);
-  if (count >= 3) {
+  if (turn_is_known) {
     motion.T.matrix() = Eigen::umeyama(P, Q, false);
   } else {
     motion.T.translation() = (Q - P).rowwise().mean();

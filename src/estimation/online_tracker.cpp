@@ -79,7 +79,7 @@ localization::PosePrior OnlineTracker::expected() const {
        {Eigen::Isometry3d::Identity(), palm_.back() * palm_[since].inverse()}) {
     localization::Posterior moved = coming_.pose.posterior;
     transform(T_base_world * motion, moved);
-    for (auto& component : localization::prior_from(moved, covariance).components) {
+    for (auto& component : localization::prior_from_modes(moved, covariance).components) {
       component.weight /= 2;
       prior.components.push_back(component);
     }

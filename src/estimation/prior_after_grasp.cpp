@@ -164,8 +164,8 @@ PosePrior after_motion(const GraspHistory& held, const localization::Posterior& 
     for (int slides = 0; slides <= kSlides; ++slides) {
       localization::Posterior moved = disturbed(before, disturbances, farther);
       transform(measured.motion.T, moved);
-      PosePrior part =
-          localization::prior_from(moved, motion_covariance(options, measured, scale * farther));
+      PosePrior part = localization::prior_from_modes(
+          moved, motion_covariance(options, measured, scale * farther));
       for (const auto& axis : measured.motion.loose) loosen(axis, measured.swing, part);
       localization::append(part, slides < kSlides ? share * (1 - options.slide_share) : share,
                            prior);

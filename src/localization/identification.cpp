@@ -10,6 +10,7 @@
 #include "localization/likelihood/contact_term.hpp"
 #include "localization/likelihood/energy_maker.hpp"
 #include "localization/likelihood/goodness_of_fit.hpp"
+#include "localization/likelihood/plane_term.hpp"
 #include "localization/likelihood/prior_term.hpp"
 #include "localization/likelihood/surface_error.hpp"
 #include "localization/likelihood/table_term.hpp"
@@ -23,8 +24,6 @@ constexpr double kNever = -std::numeric_limits<double>::infinity();
 constexpr int kSamples = 3000;      // of the mixture
 constexpr double kWidened = 2;      // times the modes' covariances: the tails must be covered
 constexpr double kReference = 0.1;  // m from the centroid, of a surface that is off
-constexpr double kResidualAngle = 0.05, kResidualStep = 0.005;  // of poses beside the modes, rad, m
-constexpr double kMinResidual = 0.001;                          // share of poses worth covering
 
 Matrix6d isotropic(double angle, double step) {
   Vector6d variance;
@@ -36,14 +35,6 @@ Matrix6d isotropic(double angle, double step) {
 PosePrior covering(const Posterior& posterior, double posed_off) {
   PosePrior mixture = prior_from(posterior, isotropic(posed_off / kReference, posed_off));
   for (auto& component : mixture.components) component.covariance *= kWidened;
-  const double residual = posterior.residual_mass();
-  if (posterior.residual_set.empty() || residual < kMinResidual) return mixture;
-  const Matrix6d covariance = isotropic(kResidualAngle + posed_off / kReference,  //
-                                        kResidualStep + posed_off);
-  for (const auto& pose : posterior.residual_set) {
-    mixture.components.push_back(
-        {pose, residual / static_cast<double>(posterior.residual_set.size()), covariance});
-  }
   return mixture;
 }
 
@@ -65,6 +56,7 @@ double log_scale(const geometry::ObjectModel& model, const Evidence& evidence,
   if (!evidence.contacts.empty()) {
     sum += ContactTerm(model, evidence, contact_offset, 1).log_peak();
   }
+  if (!evidence.planes.empty()) sum += PlaneTerm(model, evidence, 1).log_peak();
   if (evidence.table) sum += TableTerm(model, *evidence.table).log_peak();
   if (evidence.prior) {
     sum += PriorTerm(std::make_shared<const PoseMixture>(*evidence.prior), evidence.prior->floor)
@@ -155,12 +147,6 @@ ObjectProbabilities object_probabilities(const std::vector<ObjectHypothesis>& hy
       std::max_element(result.candidates.begin(), result.candidates.end()) -
       result.candidates.begin());
   return result;
-}
-
-Posterior weighted(Posterior posterior, double probability) {
-  for (Mode& mode : posterior.modes) mode.weight *= probability;
-  posterior.status = status_of(posterior.modes);
-  return posterior;
 }
 
 }  // namespace palpate::localization

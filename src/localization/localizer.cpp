@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
 
 #include "localization/likelihood/check_evidence.hpp"
 #include "localization/likelihood/energy_maker.hpp"
@@ -106,8 +107,10 @@ class Sampler {
   /// Where a prior may be wrong, contacts must be heard all over.
   static bool many_contacts(const Evidence& evidence, const LocalizerOptions& options) {
     std::size_t constraints = evidence.table ? kConstraints : 0;
+    std::set<int> groups;  // of candidates, each of which counts once
     for (const tactile::Contact& contact : evidence.contacts) {
-      if (contact.group < 0) constraints += contact.has_normal() ? kConstraints : 1;
+      if (contact.group >= 0 && !groups.insert(contact.group).second) continue;
+      constraints += contact.has_normal() ? kConstraints : 1;
     }
     return options.starts > 0 && !evidence.prior && constraints >= kEnough;
   }
@@ -170,7 +173,9 @@ Posterior search(const geometry::ObjectModel& model, const Evidence& evidence,
   posterior.residual_set = std::move(rest.poses);
   posterior.credible_mass = std::max(rest.credible_mass, 1 - posterior.residual_mass());
   posterior.status = status_of(posterior.modes);
-  return posterior;
+  // No contact tells what is elsewhere from what the prior's components hold.
+  const bool prior_alone = evidence.prior && evidence.contacts.empty();
+  return prior_alone ? weighted(std::move(posterior), total_weight(*evidence.prior)) : posterior;
 }
 
 }  // namespace

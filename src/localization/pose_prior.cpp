@@ -21,6 +21,8 @@ constexpr double kSpacing = 5 * kDegree;  // of components along a free axis, at
 constexpr double kMinRotation = 0.5 * kDegree;
 constexpr double kMinTranslation = 0.0005;  // m
 constexpr double kRounding = 1e-12;
+constexpr double kBallRotation = 0.05, kBallTranslation = 0.005;  // of the residual set, rad, m
+constexpr double kDistrust = 0.05;  // that the earlier posterior is wrong, however sure it is
 
 void check_motion(const Matrix6d& covariance) {
   if (!covariance.allFinite()) {
@@ -35,10 +37,10 @@ void check_motion(const Matrix6d& covariance) {
   }
 }
 
-Matrix6d min_covariance() {
+Matrix6d isotropic(double rotation, double translation) {
   Vector6d variances;
-  variances << Eigen::Vector3d::Constant(kMinRotation * kMinRotation),
-      Eigen::Vector3d::Constant(kMinTranslation * kMinTranslation);
+  variances << Eigen::Vector3d::Constant(rotation * rotation),
+      Eigen::Vector3d::Constant(translation * translation);
   return variances.asDiagonal();
 }
 
@@ -74,12 +76,28 @@ void sort_heaviest_first(PosePrior& prior) {
 }  // namespace
 
 PosePrior prior_from(const Posterior& posterior, const Matrix6d& motion_covariance) {
+  PosePrior prior = prior_from_modes(posterior, motion_covariance);
+  const double modes = 1 - posterior.residual_mass();
+  double known = modes;
+  if (const std::size_t count = posterior.residual_set.size(); count > 0) {
+    known = std::clamp(posterior.credible_mass, modes, 1.0);
+    const Matrix6d covariance = isotropic(kBallRotation, kBallTranslation) + motion_covariance;
+    for (const auto& pose : posterior.residual_set) {
+      prior.components.push_back({pose, (known - modes) / static_cast<double>(count), covariance});
+    }
+    sort_heaviest_first(prior);
+  }
+  spread_elsewhere(std::max(kDistrust, 1 - known), prior);
+  return prior;
+}
+
+PosePrior prior_from_modes(const Posterior& posterior, const Matrix6d& motion_covariance) {
   if (posterior.modes.empty()) throw BadInput("a prior from a posterior of 0 modes");
   check_motion(motion_covariance);
   PosePrior prior;
   for (const Mode& mode : posterior.modes) {
     for (PosePrior::Component& component : components_of(mode)) {
-      component.covariance += motion_covariance + min_covariance();
+      component.covariance += motion_covariance + isotropic(kMinRotation, kMinTranslation);
       component.covariance =
           (0.5 * (component.covariance + component.covariance.transpose())).eval();
       prior.components.push_back(component);

@@ -52,6 +52,13 @@ double best_probability(const Posterior& posterior) {
   return posterior.modes.empty() ? 0 : pose_probability(posterior.modes.front());
 }
 
+Posterior weighted(Posterior posterior, double probability) {
+  for (Mode& mode : posterior.modes) mode.weight *= probability;
+  posterior.credible_mass *= probability;
+  posterior.status = status_of(posterior.modes);
+  return posterior;
+}
+
 bool covers(const Posterior& posterior, const Eigen::Isometry3d& truth,
             const std::vector<Eigen::Matrix3d>& symmetries) {
   const SymmetryGroup copies(symmetries);

@@ -252,11 +252,22 @@ class Localize(CliTest):
         informed = self.localize(rows, "--free", "free.csv", "--prior", "before.json")
         self.assertGreater(informed["probability"], alone["probability"] + 0.1)
 
+    def test_a_prior_without_contacts_stands_on_its_table(self):
+        before = self.localize(contacts_on_box(18))
+        self.write("before.json", json.dumps(before))
+        again = self.localize([], "--prior", "before.json", "--table", str(SHIFT[2]))
+        for value, true in zip(middle(again["modes"][0]["T_contact_object"]),
+                               middle(before["modes"][0]["T_contact_object"])):  # fmt: skip
+            self.assertAlmostEqual(value, true, delta=0.003)
+
     def test_a_plane_settles_the_height(self):
         """Contacts on two sides alone leave heights open, which the plane below settles."""
         rows = contacts_on_box(8, faces=(0, 1, 2, 3))
         alone = self.localize(rows, "--method", "full")
         self.write("planes.csv", csv([[0, 0, 1, SHIFT[2]]], "nx,ny,nz,height"))
+        self.write("none.csv", HEADER + "\n")
+        self.assert_refused(BAD_INPUT, ["localize", "box.stl", "none.csv", "--planes", "planes.csv"],
+                            "none.csv has no contacts")  # fmt: skip
         informed = self.localize(rows, "--method", "full", "--planes", "planes.csv")
         self.assertGreater(informed["probability"], alone["probability"] + 0.1)
 

@@ -251,10 +251,27 @@ TEST(ContactTerm, AveragesTheOddsOfCandidates) {
   EXPECT_EQ(term.unexplained(away), 1);
 }
 
+TEST(ContactTerm, EqualCandidatesCountAsOne) {
+  Evidence evidence = on_a_face(2);
+  evidence.contacts[0].group = 1;
+  evidence.contacts[1].group = 2;
+  Evidence copies = evidence;
+  for (int i = 0; i < 7; ++i) {
+    for (const auto& contact : evidence.contacts) copies.contacts.push_back(contact);
+  }
+  for (const double shift : {0.0, 0.001, 0.003}) {
+    const double energy = energy_at(copies, shift);
+    EXPECT_NEAR(energy, energy_at(evidence, shift), 1e-4) << shift;
+    EXPECT_GE(energy, -1e-5) << shift;
+  }
+}
+
 TEST(SurfaceError, IsAddedToThatOfEachContact) {
   Evidence evidence = on_a_face(3);
   evidence.surface_sigma = 0.0003;
+  evidence.planes = {{Eigen::Vector3d::UnitZ(), 0, 0.0004}};
   const Evidence widened = with_surface_error(evidence);
+  EXPECT_NEAR(widened.planes[0].sigma, 0.0005, 1e-12);
   for (const auto& contact : widened.contacts) {
     EXPECT_NEAR(contact.point_sigma, std::hypot(kPointSigma, 0.0003), 1e-12);
     EXPECT_GT(contact.normal_sigma, evidence.contacts[0].normal_sigma);

@@ -79,6 +79,8 @@ TEST(ObjectProbabilities, WeighTheModesOfAPosterior) {
   EXPECT_EQ(weighted(posterior, 0.5).status, PoseStatus::ambiguous);
   EXPECT_DOUBLE_EQ(weighted(posterior, 0.5).modes[0].weight, 0.495);
   EXPECT_EQ(weighted(posterior, 0.99).status, PoseStatus::certain);
+  posterior.credible_mass = 0.99;
+  EXPECT_DOUBLE_EQ(weighted(posterior, 0.5).credible_mass, 0.495);
 }
 
 ObjectProbabilities identified(const Scene& scene, const std::vector<std::string>& names) {

@@ -84,6 +84,23 @@ TEST(Localize, FindsWhichCandidatesTouch) {
   EXPECT_GE(successes, 7);
 }
 
+TEST(Localize, AGroupOfOneIsAContact) {
+  const geometry::ObjectModel& model = model_of("bracket");
+  SceneOptions options;
+  options.contacts = 14;
+  Scene scene = scene_of("bracket", options, 3);
+  for (std::size_t k = 0; k < scene.evidence.contacts.size(); ++k) {
+    scene.evidence.contacts[k].group = static_cast<int>(k);
+  }
+  Evidence alone = scene.evidence;
+  for (auto& contact : alone.contacts) contact.group = -1;
+  for (const std::uint64_t seed : {0U, 1U, 2U, 3U}) {
+    const Posterior grouped = localize(model, scene.evidence, RandomStream(seed), quick());
+    const Posterior expected = localize(model, alone, RandomStream(seed), quick());
+    EXPECT_NEAR(best_probability(grouped), best_probability(expected), 0.1) << seed;
+  }
+}
+
 TEST(Localize, FourContactsSufficeOnATable) {
   SceneOptions options;
   options.contacts = 4;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "localization/likelihood/surface_error.hpp"
 #include "localization/scenes.hpp"
 #include "palpate/core/error.hpp"
 
@@ -58,10 +59,17 @@ TEST(PlaneTerm, ErrorsOfTheSurfaceAndTheScaleOfTheNoiseWidenIt) {
   const auto rise = [&](double surface, double scale) {
     Evidence there = met(up, height), above = met(up, height + 0.002);
     there.surface_sigma = above.surface_sigma = surface;
+    there = with_surface_error(there), above = with_surface_error(above);
     return energy(above, search_pose(T), scale) - energy(there, search_pose(T), scale);
   };
   EXPECT_NEAR(rise(0, 2) / rise(0, 1), 0.25, 0.03);
   EXPECT_NEAR(rise(kSigma, 1) / rise(0, 1), 0.5, 0.03);
+}
+
+TEST(PlaneTerm, IsNoughtWhereThePlaneIsMet) {
+  const Evidence evidence = met({0, 0, 1}, lowest(Eigen::Isometry3d::Identity(), {0, 0, 1}));
+  EXPECT_NEAR(energy(evidence, SearchPose()), 0, 1e-3);
+  EXPECT_GE(energy(evidence, SearchPose()), 0);
 }
 
 TEST(PlaneTerm, SomethingElseMayHaveMetThePlane) {

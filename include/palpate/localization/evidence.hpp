@@ -46,8 +46,9 @@ struct PosePrior {
   };
   std::vector<Component> components;
   /// Density relative to the highest component's peak that every pose keeps, so that touch can
-  /// overrule the prior; as it holds everywhere, with one or two contacts 1e-6 is the better value.
-  /// Without contacts it is not used.
+  /// overrule the prior. It holds everywhere: where the components are narrow, 1e-3 outweighs them
+  /// until several contacts agree with them; spread_elsewhere() sets it by a probability. Without
+  /// contacts it is not used: the modes then hold what the components' weights sum to.
   double floor = 1e-3;
 };
 

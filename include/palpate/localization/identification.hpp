@@ -56,7 +56,4 @@ struct ObjectProbabilities {
 ObjectProbabilities object_probabilities(const std::vector<ObjectHypothesis>& hypotheses,
                                          const IdentificationOptions& options);
 
-/// The posterior of pose and object: all weights times the object's probability.
-Posterior weighted(Posterior posterior, double probability);
-
 }  // namespace palpate::localization

@@ -77,6 +77,10 @@ double pose_probability(const Mode& mode);
 /// That of the best pose; 0 where there is none.
 double best_probability(const Posterior& posterior);
 
+/// The posterior where what it is conditioned on, such as which object it is, has this probability:
+/// all weights times that.
+Posterior weighted(Posterior posterior, double probability);
+
 /// True when the truth is within 5 deg and 10 mm of the smallest set of modes that holds 95 % of
 /// the probability, or of all modes where they hold less.
 bool covers(const Posterior& posterior, const Eigen::Isometry3d& truth,

@@ -63,13 +63,15 @@ void ContactTerm::gather_sets(const Evidence& evidence) {
   for (auto& [name, members] : groups) {
     const auto count = static_cast<float>(members.size());
     CandidateSet set;
+    Levels all = Levels::Zero(growth_.size());
     for (const std::size_t k : members) {
       Noise& noise = noise_[k];
       noise.odds /= count;
       contacts_[k].set = static_cast<int>(sets_.size());
-      set.cap = std::max(set.cap, std::log1p(noise.odds.maxCoeff()));
+      all += noise.odds;
       set.stated_cap = std::max(set.stated_cap, std::log1p(noise.odds[0]));
     }
+    set.cap = std::log1p(all.maxCoeff());
     set.inverse_peak = std::exp(-set.cap);
     for (const std::size_t k : members) noise_[k].inverse_peak = set.inverse_peak;
     set.members = std::move(members);

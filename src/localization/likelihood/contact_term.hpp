@@ -109,8 +109,8 @@ class ContactTerm : public EvidenceTerm {
     float energy(const Levels& priors) const;
   };
 
-  /// Candidates of which at least one touches, and the noise of the one that would be the most
-  /// informative.
+  /// Candidates of which at least one touches. The caps are of all members at the surface at once,
+  /// which bounds the likelihood; `stated_cap` of the most informative one.
   struct CandidateSet {
     std::vector<std::size_t> members;
     float cap = 0, inverse_peak = 0, stated_cap = 0;

@@ -16,11 +16,12 @@ constexpr double kMissRange = 0.05;  // L, m
 PlaneTerm::PlaneTerm(const geometry::ObjectModel& model, const Evidence& evidence, double scale)
     : hull_(model.hull()) {
   for (const PlaneContact& plane : evidence.planes) {
-    const double sigma = scale * std::hypot(plane.sigma, evidence.surface_sigma);
-    const double odds =
-        kMissShare / (1 - kMissShare) * std::sqrt(2 * std::numbers::pi) * sigma / kMissRange;
+    const double sigma = scale * plane.sigma;
+    const double met = (1 - kMissShare) / (std::sqrt(2 * std::numbers::pi) * sigma);
+    const double missed = kMissShare / kMissRange;
+    log_peak_ += std::log(met + missed);
     planes_.push_back({plane.normal.cast<float>(), static_cast<float>(plane.height),
-                       static_cast<float>(1 / sigma), static_cast<float>(-std::log(odds))});
+                       static_cast<float>(1 / sigma), static_cast<float>(std::log(met / missed))});
   }
 }
 
@@ -42,7 +43,8 @@ float PlaneTerm::energy(const SearchPose& pose, float) const {
   for (const Plane& plane : planes_) {
     const float r = lowest(pose, plane).above * plane.precision;
     const float met = 0.5F * r * r;
-    sum += std::min(met, plane.missed) - std::log1p(std::exp(-std::abs(met - plane.missed)));
+    sum += std::min(met, plane.missed) - std::log1p(std::exp(-std::abs(met - plane.missed))) +
+           std::log1p(std::exp(-plane.missed));
   }
   return sum;
 }

@@ -11,7 +11,7 @@ namespace palpate::localization {
 
 /// The object's lowest point along a plane's normal lies on the plane. For each plane
 ///
-///   E = -ln((1 - m) N(d; 0, sigma^2) + m / L) + const,
+///   E = log_peak() - ln((1 - m) N(d; 0, sigma^2) + m / L), which is 0 at d = 0;
 ///
 /// d the height of the lowest corner of the object's hull over the plane, m the probability that
 /// something else was met, at any of L metres of height.
@@ -22,12 +22,14 @@ class PlaneTerm : public EvidenceTerm {
 
   float energy(const SearchPose& pose, float bound) const override;
   void linearize(const SearchPose& pose, NormalEquations& equations) const override;
+  /// Of the highest likelihood, 1 / m for each plane.
+  double log_peak() const { return log_peak_; }
 
  private:
   struct Plane {
     Eigen::Vector3f normal;
     float height, precision;  // m, 1 / sigma
-    float missed;             // E where something else was met, over that of d = 0
+    float missed;             // -ln of the density there, over that of contact at d = 0
   };
   struct Lowest {
     Eigen::Vector3f corner;  // turned into the evidence's frame
@@ -37,6 +39,7 @@ class PlaneTerm : public EvidenceTerm {
 
   const std::vector<Eigen::Vector3f>& hull_;
   std::vector<Plane> planes_;
+  double log_peak_ = 0;
 };
 
 }  // namespace palpate::localization

@@ -13,6 +13,7 @@ Evidence with_surface_error(Evidence evidence) {
     contact.point_sigma = std::hypot(contact.point_sigma, sigma);
     contact.normal_sigma = std::hypot(contact.normal_sigma, sigma / geometry::kSurfaceErrorLength);
   }
+  for (PlaneContact& plane : evidence.planes) plane.sigma = std::hypot(plane.sigma, sigma);
   if (evidence.table) {
     evidence.table->surface_sigma = std::hypot(evidence.table->surface_sigma, sigma);
   }
