@@ -222,7 +222,7 @@ int register_command(const RegisterArguments& arguments, const CLI::App& command
   if (arguments.common.json) {
     print_json(outcome_report(outcome));
   } else {
-    print_report(result, outcome.hint);
+    print_report(result, outcome.hint, !outcome.clouds || !options.registration.initial);
     outcome.clouds ? print_features(outcome.registration) : print_bound(result);
     print_next_of(arguments, command, outcome);
   }
@@ -352,6 +352,9 @@ void add_register(CLI::App& program, Command& chosen) {
   command.callback([arguments, &command, &chosen] {
     if (arguments->correspondences.empty() && arguments->target.empty()) {
       throw CLI::RequiredError("SOURCE and TARGET, or --correspondences FILE");
+    }
+    if (command.count("--cost") > 0 && arguments->method != "gnc") {
+      throw CLI::RequiresError("--cost", "--method gnc");
     }
     const bool clouds = arguments->correspondences.empty();
     if (clouds && command.count("--repeats") > 0) {

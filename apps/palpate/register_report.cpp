@@ -111,7 +111,8 @@ nlohmann::json report_of(const rg::RegistrationResult& result) {
           {"seconds", result.seconds}};
 }
 
-void print_report(const rg::RegistrationResult& result, const std::string& hint) {
+void print_report(const rg::RegistrationResult& result, const std::string& hint,
+                  bool has_false_alarms) {
   const std::string status = colored_status(rg::to_string(result.status));
   const bool explained = !result.T_target_source && !hint.empty();
   if (explained) fmt::print("{}: {}\n", status, hint);
@@ -124,8 +125,10 @@ void print_report(const rg::RegistrationResult& result, const std::string& hint)
   if (result.scale != 1) fmt::print("scale of the source: {:.6g}\n", result.scale);
   fmt::print("cost {:.3g} m^2, at most {:.1g} m^2 above the global optimum for these inliers\n",
              result.cost, result.bound);
-  fmt::print("false alarms: {} such poses expected by chance\n",
-             number_of_false_alarms(result.false_alarms));
+  if (has_false_alarms) {
+    fmt::print("false alarms: {} such poses expected by chance\n",
+               number_of_false_alarms(result.false_alarms));
+  }
   for (const auto& instance : result.instances) {
     fmt::print("another instance: {} inliers, {}\n", instance.inliers,
                motion_text(instance.T_target_source));

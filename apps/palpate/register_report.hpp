@@ -10,7 +10,9 @@ namespace palpate::app {
 nlohmann::json report_of(const registration::RegistrationResult& result);
 
 /// Prints it for a person.
-void print_report(const registration::RegistrationResult& result, const std::string& hint);
+/// @param has_false_alarms  whether their number was estimated
+void print_report(const registration::RegistrationResult& result, const std::string& hint,
+                  bool has_false_alarms);
 
 /// Why pairs have no pose, and what may help; empty if they have one or the report says it.
 std::string reason_of(const registration::RegistrationResult& result,

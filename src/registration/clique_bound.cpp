@@ -38,7 +38,7 @@ Bits common(const Bits& bits, const std::uint64_t* row) {
 
 /// One vertex after the other of those with fewest neighbours among the ones left, each with these
 /// neighbours.
-std::vector<CliqueBound::Root> CliqueBound::roots_by_degeneracy() const {
+std::vector<CliqueBound::Root> CliqueBound::roots_by_degeneracy() {
   const int size = graph_.size();
   Bits left(static_cast<std::size_t>(graph_.words()), 0);
   std::vector<int> degrees(static_cast<std::size_t>(size), 0);
@@ -50,6 +50,7 @@ std::vector<CliqueBound::Root> CliqueBound::roots_by_degeneracy() const {
   }
   std::vector<Root> roots;
   for (int k = 0; k < size; ++k) {
+    if (is_late()) return {};
     int next = -1;
     for_each_bit(left.data(), graph_.words(), [&](int v) {
       const auto degree = [&](int i) { return degrees[static_cast<std::size_t>(i)]; };
@@ -65,9 +66,14 @@ std::vector<CliqueBound::Root> CliqueBound::roots_by_degeneracy() const {
   return roots;
 }
 
+bool CliqueBound::is_late() {
+  out_of_work_ = out_of_work_ || now() > deadline_;
+  return out_of_work_;
+}
+
 /// Whether one more subproblem may be looked at.
 bool CliqueBound::spend() {
-  out_of_work_ = out_of_work_ || nodes_ >= max_nodes_ || now() > deadline_;
+  out_of_work_ = out_of_work_ || nodes_ >= max_nodes_ || is_late();
   if (!out_of_work_) ++nodes_;
   return !out_of_work_;
 }
@@ -104,6 +110,7 @@ void CliqueBound::expand(Bits candidates, int size) {
 
 int CliqueBound::run() {
   std::vector<Root> roots = roots_by_degeneracy();
+  if (out_of_work_) return graph_.size();
   for (Root& root : roots) {
     if (!spend()) break;
     const Colouring colouring = colour(root.later);

@@ -62,10 +62,11 @@ class CliqueBound {
     std::vector<int> vertices, colours;
   };
 
-  std::vector<Root> roots_by_degeneracy() const;
+  std::vector<Root> roots_by_degeneracy();
   Colouring colour(Bits candidates);
   void expand(Bits candidates, int size);
   bool spend();
+  bool is_late();
 
   const CliqueGraph& graph_;
   int largest_, max_nodes_, nodes_ = 0;

@@ -11,6 +11,7 @@
 #include "palpate/geometry/cloud/kd_tree.hpp"
 #include "palpate/geometry/cloud/normals.hpp"
 #include "registration/clock.hpp"
+#include "registration/cloud_candidates.hpp"
 #include "registration/final_solve.hpp"
 #include "registration/neighbour_rounds.hpp"
 #include "registration/surface_motions.hpp"
@@ -132,6 +133,27 @@ std::optional<Eigen::Isometry3d> turned_about_weak_axis(NeighbourRounds& rounds,
   return best;
 }
 
+/// By how much the inverse information understates the covariance: residuals of neighbours are not
+/// independent, as their normals were fitted to the same points, and the last bound cuts off some
+/// of their variance.
+/// @param rounds  paired up within the bound at the end
+double covariance_factor(NeighbourRounds& rounds, const Refined& refined,
+                         const CloudOptions& options, double noise_bound) {
+  const auto mean_square = [&] {
+    double sum = 0;
+    for (const double r2 :
+         squared_residuals(rounds.pairs(), refined.T, options.registration.primitive)) {
+      sum += r2;
+    }
+    return sum / static_cast<double>(std::max<std::size_t>(1, rounds.pairs().size()));
+  };
+  rounds.pair_up(refined.T, noise_bound, 1);
+  const double full = mean_square();
+  rounds.pair_up(refined.T, refined.bound, 1);
+  const double cut = mean_square();
+  return options.features.normal_neighbours * (cut > 0 ? std::max(1.0, full / cut) : 1.0);
+}
+
 void report(const PoseEstimate& best, const NeighbourRounds& rounds, const CloudOptions& options,
             CloudRegistration& registration) {
   RegistrationResult& result = registration.result;
@@ -192,6 +214,15 @@ Eigen::Vector3d median_point(const geometry::PointView& cloud) {
     center[axis] = median(values);
   }
   return center;
+}
+
+/// T, or a half turn of the source about a principal axis if that fits better.
+Eigen::Isometry3d best_half_turn(const PointCloud& source, const PointCloud& target,
+                                 const Eigen::Isometry3d& T, double bound,
+                                 const CloudOptions& options) {
+  const auto better =
+      better_fitting(source, target, T, turned_about_axes(source, T, 2), bound, options);
+  return better ? better->T_target_source : T;
 }
 
 /// Withdraws the pose.
@@ -272,8 +303,9 @@ void refine_clouds(const PointCloud& source, const PointCloud& target, const Clo
     if (T) refined = refine_in_stages(rounds, *T, options, registration);
   }
   if (refined) {
-    rounds.pair_up(refined->T, refined->bound, 1);
+    const double factor = covariance_factor(rounds, *refined, options, registration.noise_bound);
     report(rounds.solve(), rounds, options, registration);
+    registration.result.covariance *= factor;
   }
   const bool degenerate = refined && !registration.result.T_target_source;
   if (!degenerate && (!refined || !fits(registration, options.registration.primitive))) {
@@ -309,7 +341,8 @@ void refuse_if_mirrored(const PointCloud& source, const PointCloud& target,
   NeighbourRounds rounds(mirrored, target, primitive, {}, options.threads);
   CloudRegistration other;
   other.noise_bound = reach;
-  const auto refined = refine_in_stages(rounds, T_mirrored, options, other);
+  const Eigen::Isometry3d start_pose = best_half_turn(mirrored, target, T_mirrored, reach, options);
+  const auto refined = refine_in_stages(rounds, start_pose, options, other);
   if (refined) {
     const std::vector<double> costs = rounds.truncated_costs(refined->T, reach, bound);
     std::vector<double> own(source.size(), 1);

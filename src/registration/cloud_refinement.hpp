@@ -39,10 +39,10 @@ void refine_clouds(const geometry::PointCloud& source, const geometry::PointClou
 /// The points (and normals) with x turned round.
 geometry::PointCloud mirror_image(geometry::PointCloud cloud);
 
-/// Refuses the result as `mirrored` if the source's mirror image, refined from T_mirrored, fits the
-/// target better than the source at the result's pose (or any, without one): if the truncated cost
-/// of its points, at a quarter of the bound, is less by three standard errors of their paired
-/// differences.
+/// Refuses the result as `mirrored` if the source's mirror image, refined from T_mirrored or from a
+/// half turn there that fits better, fits the target better than the source at the result's pose
+/// (or any, without one): if the truncated cost of its points, at a quarter of the bound, is less
+/// by three standard errors of their paired differences.
 /// @param T_without  what stands for the source's own pose where the result has none
 void refuse_if_mirrored(const geometry::PointCloud& source, const geometry::PointCloud& target,
                         const Eigen::Isometry3d& T_mirrored,

@@ -109,6 +109,9 @@ void check_options(const CloudOptions& options) {
   if (registration.estimate_scale && (registration.instances > 1 || registration.initial)) {
     throw BadInput("of clouds, an unknown scale excludes instances and an initial pose");
   }
+  if (options.features.refinements == 0 && (registration.estimate_scale || registration.initial)) {
+    throw BadInput("an initial pose or an unknown scale of clouds needs refinements, which are 0");
+  }
 }
 
 void check_described(const FeatureCloud& described) {

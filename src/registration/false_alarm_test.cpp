@@ -2,6 +2,7 @@
 #include "registration/false_alarm_test.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -19,6 +20,17 @@ Eigen::Matrix3d second_moment(const Eigen::ArrayXf (&axes)[3], int count) {
     }
   }
   return moment;
+}
+
+/// Different ones of so many.
+std::array<int, 4> four_of(int count, RandomStream& random) {
+  std::array<int, 4> chosen{};
+  for (std::size_t k = 0; k < chosen.size();) {
+    chosen[k] = static_cast<int>(random.index(static_cast<std::size_t>(count)));
+    const auto end = chosen.begin() + static_cast<std::ptrdiff_t>(k);
+    if (std::find(chosen.begin(), end, chosen[k]) == end) ++k;
+  }
+  return chosen;
 }
 
 /// Information of a turn: sum of the squared distances to its axis.
@@ -98,7 +110,8 @@ double FalseAlarmTest::expected(BackgroundModel background, const Score& score,
   return number_of_false_alarms(background, score.count - score.gain, score.count);
 }
 
-double FalseAlarmTest::quick(const Eigen::Isometry3d& T) {
+/// As if pairs agreed at all poses as often as those of the same points, paired otherwise, do here.
+BackgroundModel FalseAlarmTest::all_alike(const Eigen::Isometry3d& T) const {
   constexpr int kShifts = 4;
   const int others = scorer_.size() - 1, shifts = std::min(kShifts, others);
   RandomStream random = random_.fork("shift");
@@ -107,11 +120,19 @@ double FalseAlarmTest::quick(const Eigen::Isometry3d& T) {
     const auto shift = 1 + static_cast<int>(random.index(static_cast<std::size_t>(others)));
     hits += scorer_.count_shifted(T, shift);
   }
+  BackgroundModel model = model_;
+  model.rate = hits / std::max(1, shifts);
+  return model;
+}
+
+double FalseAlarmTest::quick(const Eigen::Isometry3d& T) {
+  const BackgroundModel background = all_alike(T);
   const auto number = [&](const Score& score, double copies) {
-    BackgroundModel all_alike = model_;
-    all_alike.rate = hits / std::max(1, shifts);
+    BackgroundModel all_alike = background;
     const double uniform = expected(all_alike, score, copies);
     if (!(uniform < kClearAtOnce)) return uniform;
+    const double by_count = expected(all_alike, counted_alone(score), copies);
+    if (!(by_count < kClearAtOnce) && is_on_grid(radius_of(score))) return by_count;
     all_alike.rate *= crowding(T, score);
     return expected(all_alike, score, copies);
   };
@@ -133,7 +154,7 @@ double FalseAlarmTest::quick(const Eigen::Isometry3d& T) {
 double FalseAlarmTest::crowding(const Eigen::Isometry3d& T, const Score& score) {
   constexpr int kShifts = 16;
   if (axes().empty()) return 1;
-  const double radius = matching_radius(model_.dimensions, score.count - score.gain, score.count);
+  const double radius = radius_of(score);
   RandomStream random = random_.fork("crowding");
   double within = 0, all = 0;
   for (int k = 0; k < kShifts; ++k) {
@@ -144,6 +165,37 @@ double FalseAlarmTest::crowding(const Eigen::Isometry3d& T, const Score& score) 
   }
   const double uniform = all * std::pow(radius, model_.dimensions);
   return uniform > 0 ? std::max(1.0, (within - 2 * std::sqrt(within)) / uniform) : 1;
+}
+
+double FalseAlarmTest::radius_of(const Score& score) const {
+  return matching_radius(model_.dimensions, score.count - score.gain, score.count);
+}
+
+/// As if the residuals were uniform within the bound, so that their number alone is evidence.
+Score FalseAlarmTest::counted_alone(Score score) const {
+  score.gain = score.count - matching_squares(model_.dimensions, 1, score.count);
+  return score;
+}
+
+/// Lengths between points on a grid agree exactly or not at all, and so do the pairs at the poses
+/// that bring parts of one grid onto the other, which random poses miss: whether lengths of
+/// different pairs agree to within the radius more often than those of points anywhere. Residuals
+/// that are not far below the noise that the bound allows for need no such look.
+bool FalseAlarmTest::is_on_grid(double radius) const {
+  constexpr double kFarBelowNoise = 0.3, kTimes = 3;
+  constexpr int kLooked = 2000;
+  if (radius > kFarBelowNoise || scorer_.size() < 4) return false;
+  const PairColumns& columns = scorer_.columns();
+  RandomStream random = random_.fork("lengths");
+  double within = 0, all = 0;
+  for (int k = 0; k < kLooked; ++k) {
+    const std::array<int, 4> i = four_of(scorer_.size(), random);
+    const auto off = std::abs((at(columns.s, i[0]) - at(columns.s, i[1])).norm() -
+                              (at(columns.t, i[2]) - at(columns.t, i[3])).norm());
+    within += off < static_cast<float>(radius);
+    all += off < 1;
+  }
+  return within - 2 * std::sqrt(within) > kTimes * all * radius;
 }
 
 const std::vector<ThinAxes>& FalseAlarmTest::axes() {
@@ -212,11 +264,13 @@ double FalseAlarmTest::estimate(const Eigen::Isometry3d& T, Effort effort, doubl
   constexpr int kMaxPoses = 4096, kFirst = 256;
   const auto [score, copies] = evidence(T);
   if (score.count <= 3) return number_of_false_alarms(model_, 0, score.count);
+  if (is_on_grid(radius_of(score))) {
+    return expected(all_alike(T), counted_alone(score), copies);
+  }
   // Of few pairs, all and at more poses.
   const int sources = std::min(effort.sources, scorer_.size() - 1);
   const int poses = std::min(kMaxPoses, effort.poses * effort.sources / sources);
-  const double squares = score.count - score.gain;
-  const double radius = matching_radius(model_.dimensions, squares, score.count);
+  const double radius = radius_of(score);
   Rates& rates = rates_within(radius, sources);
   BackgroundModel background = model_;
   background.radius = rates.radius;

@@ -95,6 +95,10 @@ class FalseAlarmTest {
   double estimate_in_steps(const Eigen::Isometry3d& T, std::span<const Step> steps);
   double expected(BackgroundModel background, const Score& score, double copies) const;
   double crowding(const Eigen::Isometry3d& T, const Score& score);
+  BackgroundModel all_alike(const Eigen::Isometry3d& T) const;
+  Score counted_alone(Score score) const;
+  bool is_on_grid(double radius) const;
+  double radius_of(const Score& score) const;
   const std::vector<ThinAxes>& axes();
   Rates& rates_within(double radius, int sources);
   void extend(Rates& rates, int poses) const;

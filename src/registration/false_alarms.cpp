@@ -40,9 +40,13 @@ double log_information(const BackgroundModel& model, double k) {
 }  // namespace
 
 double matching_radius(int dimensions, double squares, int count) {
-  constexpr double kLeast = 1e-3;
   const double freedom = dimensions * count - kPoseDimensions;
-  return std::clamp(std::sqrt(squares * (dimensions + 2) / freedom), kLeast, 1.0);
+  return std::clamp(std::sqrt(squares * (dimensions + 2) / freedom), kMinMatchingRadius, 1.0);
+}
+
+double matching_squares(int dimensions, double radius, int count) {
+  const double freedom = dimensions * count - kPoseDimensions;
+  return radius * radius * freedom / (dimensions + 2);
 }
 
 double number_of_false_alarms(const BackgroundModel& model, double squares, int count) {
@@ -50,7 +54,8 @@ double number_of_false_alarms(const BackgroundModel& model, double squares, int 
   const double k = count, log_unit = log_ball(model.dimensions, model.radius);
   const double log_poses = std::log(model.pairs * model.orientations) + log_unit +
                            (k - 1) * std::log(model.rate) + log_information(model, k);
-  const double log_sets = log_residuals(model.dimensions, std::max(squares, 1e-12), k) -
+  const double least = matching_squares(model.dimensions, kMinMatchingRadius, count);
+  const double log_sets = log_residuals(model.dimensions, std::max(squares, least), k) -
                           k * log_unit - std::lgamma(k + 1);
   return std::exp(std::min(log_poses + log_sets, 700.0));
 }

@@ -24,9 +24,16 @@ struct BackgroundModel {
   double rate = 0;
 };
 
+/// Residuals that agree more closely count as if they agreed to within this: how many pairs do by
+/// chance is looked up no closer.
+inline constexpr double kMinMatchingRadius = 1e-3;
+
 /// Radius of the ball whose uniform residuals have the mean square that k residuals with a sum of
 /// squares S have after a pose was fitted to them; at most 1.
 double matching_radius(int dimensions, double squares, int count);
+
+/// The opposite: that sum of squares.
+double matching_squares(int dimensions, double radius, int count);
 
 /// Expected number of poses about which chance gathers such a consensus (an a-contrario test in the
 /// sense of Desolneux, Moisan & Morel 2000; Moisan & Stival 2004, with the residuals instead of

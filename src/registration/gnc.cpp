@@ -24,9 +24,35 @@ void check_options(const GncOptions& options) {
   }
 }
 
+/// How much a pair is trusted.
+double trust(const Correspondences& correspondences, std::size_t i) {
+  return correspondences.weights.empty() ? 1 : correspondences.weights[i];
+}
+
+/// 1 for every pair that is trusted at all.
+std::vector<double> first_weights(const Correspondences& correspondences) {
+  std::vector<double> weights(correspondences.size(), 1);
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (trust(correspondences, i) == 0) weights[i] = 0;
+  }
+  return weights;
+}
+
+/// Of the pairs that are trusted at all.
+double largest_residual(const Correspondences& correspondences,
+                        const std::vector<double>& squared) {
+  double largest = 0;
+  for (std::size_t i = 0; i < squared.size(); ++i) {
+    if (trust(correspondences, i) > 0) largest = std::max(largest, squared[i]);
+  }
+  return largest;
+}
+
 /// Variable update, thesis eq. 6.16; for points the closed form is the global minimum.
-Eigen::Isometry3d weighted_pose(const Correspondences& correspondences,
-                                const std::vector<double>& weights, Primitive primitive) {
+/// @param weights  of GNC alone
+Eigen::Isometry3d weighted_pose(const Correspondences& correspondences, std::vector<double> weights,
+                                Primitive primitive) {
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= trust(correspondences, i);
   if (primitive == Primitive::kPoint) return align_points(correspondences, weights);
   return solve_pose(correspondences, weights, primitive).T_target_source;
 }
@@ -96,11 +122,11 @@ GncResult graduated_non_convexity(const Correspondences& correspondences,
   check(correspondences, options.primitive);
   GncResult result;
   auto& [T, weights, iterations, stop, history] = result;
-  weights.assign(correspondences.size(), 1);
+  weights = first_weights(correspondences);
   T = weighted_pose(correspondences, weights, options.primitive);
   auto squared = squared_residuals(correspondences, T, options.primitive);
-  const double largest = squared.empty() ? 0 : *std::ranges::max_element(squared);
-  const auto start = initial_mu(options.cost, largest, options.noise_bound);
+  const auto start =
+      initial_mu(options.cost, largest_residual(correspondences, squared), options.noise_bound);
   if (!start) {
     stop = GncStop::kAllInliers;
     return result;
@@ -110,8 +136,10 @@ GncResult graduated_non_convexity(const Correspondences& correspondences,
   while (iterations < options.max_iterations) {
     double cost = 0;
     for (std::size_t i = 0; i < weights.size(); ++i) {
+      const double trusted = trust(correspondences, i);
+      if (trusted == 0) continue;
       weights[i] = surrogate_weight(options.cost, squared[i], mu, options.noise_bound);
-      cost += weights[i] * squared[i];
+      cost += trusted * weights[i] * squared[i];
     }
     ++iterations;
     if (options.keep_history) history.push_back({mu, cost, weights});

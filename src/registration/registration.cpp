@@ -17,7 +17,7 @@
 #include "registration/clock.hpp"
 #include "registration/consensus.hpp"
 #include "registration/final_solve.hpp"
-#include "registration/limited_rotation.hpp"
+#include "registration/pose_covariance.hpp"
 #include "registration/scale.hpp"
 #include "registration/settle.hpp"
 #include "registration/usable_pairs.hpp"
@@ -144,6 +144,7 @@ bool reject_by_gnc(const Correspondences& correspondences, const Correspondences
   result.weights = gnc.weights;
   for (std::size_t i = 0; i < gnc.weights.size(); ++i) {
     if (gnc.weights[i] > 0.5) result.inliers.push_back(static_cast<int>(i));
+    if (!correspondences.weights.empty()) result.weights[i] *= correspondences.weights[i];
   }
   return result.inliers.size() >= 3;
 }
@@ -204,28 +205,6 @@ std::vector<int> explained(const RegistrationResult& result, double noise_bound)
   return near;
 }
 
-/// Residuals are taken to be normal with one variance, which the inliers estimate. Wrong pairs near
-/// the bound, uniform in its ball, leave and join the inliers as the pose moves, which on average
-/// undoes their pull: of the information only the right ones' share counts.
-Matrix6d covariance_of(const PoseEstimate& estimate, const RegistrationResult& result,
-                       Primitive primitive, const AllowedTurns& turns) {
-  const auto twists = allowed_twists(turns);
-  const double residuals =
-      (primitive == Primitive::kPoint ? 3 : 1) * static_cast<double>(result.inliers.size());
-  const double freedom = residuals - static_cast<double>(twists.cols());
-  // That of Student's distribution: with few residuals their variance is itself uncertain.
-  if (!(freedom > 2)) return Matrix6d::Constant(std::numeric_limits<double>::infinity());
-  constexpr double kMinShare = 0.25;
-  const double right = 1 - result.false_inliers / static_cast<double>(result.inliers.size());
-  const double share = std::max(kMinShare, right);
-  const Eigen::MatrixXd information = twists.transpose() * estimate.centred_information * twists;
-  Matrix6d to_origin = Matrix6d::Identity();
-  to_origin.bottomLeftCorner<3, 3>() = skew(estimate.center);
-  const Eigen::MatrixXd moved = to_origin * twists;
-  return result.cost / (freedom - 2) / (share * share) * moved * information.inverse() *
-         moved.transpose();
-}
-
 /// Of a turn, the translation following, against a cost that differs by `bound`.
 double resolution_deg(const Matrix6d& information, double bound) {
   const Eigen::Matrix3d turn = information.topLeftCorner<3, 3>(),
@@ -278,7 +257,7 @@ void report_final_solve(const PoseEstimate& estimate, const Correspondences& cor
   }
   result.T_target_source = estimate.T_target_source;
   result.certificate.resolution_deg = resolution_deg(estimate.centred_information, estimate.bound);
-  result.covariance = covariance_of(estimate, result, primitive, turns);
+  result.covariance = pose_covariance(estimate, correspondences, primitive, turns, result);
   result.residuals =
       squared_residuals(correspondences, estimate.T_target_source, Primitive::kPoint);
   for (double& r : result.residuals) r = std::sqrt(r);

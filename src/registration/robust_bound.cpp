@@ -16,12 +16,15 @@ namespace palpate::registration {
 namespace {
 
 /// Pairs that can be inliers of one pose: lengths differ by at most twice the bound.
-CliqueGraph compatible(const Correspondences& c, double noise_bound) {
+/// @return nothing if the deadline, as now(), passes before
+std::optional<CliqueGraph> compatible(const Correspondences& c, double noise_bound,
+                                      double deadline) {
   const int size = static_cast<int>(c.size());
   CliqueGraph graph(size);
   // What rounding may add to a length, so that it never cuts an edge.
   constexpr double kRounding = 1e-12;
   for (int i = 0; i < size; ++i) {
+    if (now() > deadline) return std::nullopt;
     const auto a = static_cast<std::size_t>(i);
     for (int j = i + 1; j < size; ++j) {
       const auto b = static_cast<std::size_t>(j);
@@ -53,6 +56,7 @@ std::vector<int> possible_inliers(const Correspondences& c, double noise_bound,
     for (int i = 0; i < graph.size(); ++i) {
       const auto index = static_cast<std::size_t>(i);
       if (left[index] == 0) continue;
+      if (budget.is_late()) break;
       const auto others = neighbours_among(graph, i, left);
       if (rotations.can_have(i, others, inliers, witnesses[index], budget)) continue;
       left[index] = 0;
@@ -83,7 +87,8 @@ void bound_by_rotations(const Correspondences& c, double noise_bound, const Cliq
   const auto possible = possible_inliers(c, noise_bound, graph, inliers, budget);
   bound.nodes += budget.used;
   if (possible.size() == c.size()) return;
-  bound_by_cliques(compatible(subset(c, possible), noise_bound), inliers, options, start, bound);
+  const auto rest = compatible(subset(c, possible), noise_bound, end);
+  if (rest) bound_by_cliques(*rest, inliers, options, start, bound);
 }
 
 }  // namespace
@@ -99,10 +104,10 @@ RobustBound bound_inliers(const Correspondences& correspondences, double noise_b
   RobustBound bound;
   bound.max_inliers = size;
   if (size <= options.max_pairs) {
-    const CliqueGraph graph = compatible(correspondences, noise_bound);
-    bound_by_cliques(graph, inliers, options, start, bound);
-    if (bound.max_inliers > inliers) {
-      bound_by_rotations(correspondences, noise_bound, graph, inliers, options, start, bound);
+    const auto graph = compatible(correspondences, noise_bound, start + options.max_seconds);
+    if (graph) bound_by_cliques(*graph, inliers, options, start, bound);
+    if (graph && bound.max_inliers > inliers) {
+      bound_by_rotations(correspondences, noise_bound, *graph, inliers, options, start, bound);
     }
   }
   bound.min_cost = (size - bound.max_inliers) * noise_bound * noise_bound;

@@ -106,9 +106,15 @@ class CubeSearch {
 
 bool Budget::spend() {
   constexpr int kClockEvery = 64;
-  if (used >= nodes || (used % kClockEvery == 0 && now() > deadline)) is_spent = true;
+  if (used >= nodes || (used % kClockEvery == 0 && is_late())) is_spent = true;
   if (!is_spent) ++used;
   return !is_spent;
+}
+
+bool Budget::is_late() {
+  const bool late = now() > deadline;
+  is_spent = is_spent || late;
+  return late;
 }
 
 bool RotationBound::can_have(int pivot, const std::vector<int>& others, int inliers,

@@ -18,6 +18,8 @@ struct Budget {
 
   /// @return false once all is spent
   bool spend();
+  /// Whether the deadline is past, so that all is spent.
+  bool is_late();
 };
 
 /// Whether one pair can be an inlier of a pose with more than so many inliers, by branch and bound

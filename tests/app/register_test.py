@@ -74,6 +74,14 @@ class Register(CliTest):
             self.assertIsNone(report["runner_up"])
             self.assert_quarter_turn(report["T_target_source"], 1e-4)
 
+    def test_gnc_leaves_out_pairs_of_weight_0(self):
+        self.pairs()
+        rows = (self.folder / "pairs.csv").read_text().splitlines()
+        weighted = [row + f",{float(k % 2 == 0 or k >= 50)}" for k, row in enumerate(rows[1:])]
+        file = self.write("weighted.csv", "\n".join([rows[0] + ",weight", *weighted]) + "\n")
+        report = self.run_json("register", "--correspondences", file, "--method", "gnc")
+        self.assertEqual(report["inliers"], [k for k in range(30, 60) if k % 2 == 0 or k >= 50])
+
     def test_out_holds_what_was_done(self):
         file = self.pairs()
         self.run_json("register", "--correspondences", file, "--method", "gnc", "--out", "out")
@@ -215,7 +223,10 @@ class Register(CliTest):
         start = self.write("near.txt", " ".join(map(str, near)))
         report = self.run_json("register", *clouds, "--initial", start)
         self.assertEqual(report["feature_matches"], 0)
+        self.assertEqual(report["false_alarms"], 1)
         self.assert_quarter_turn(report["T_target_source"], 0.02)
+        text = self.run_program("register", *clouds, "--initial", start).stdout
+        self.assertNotIn("false alarms", text)
 
     def test_a_ball_is_degenerate(self):
         source = random.Random(3)
@@ -339,6 +350,8 @@ class Register(CliTest):
         self.assert_refused(USAGE, pairs, "--threads")
         clouds = ["register", "a.ply", "b.ply", "--repeats", "2"]
         self.assert_refused(USAGE, clouds, "--repeats")
+        cost = ["register", "--correspondences", "pairs.csv", "--cost", "gm"]
+        self.assert_refused(USAGE, cost, "--cost", "--method gnc")
 
     def test_errors_are_one_line(self):
         file = self.pairs()
@@ -367,6 +380,8 @@ class Register(CliTest):
             (["register", "--correspondences", file, "--instances", "0"], USAGE),
             (["register", "box.stl", "box.stl", "--scale", "--initial", IDENTITY], BAD_INPUT),
             (["register", "box.stl", "box.stl", "--scale", "--instances", "2"], BAD_INPUT),
+            (["register", "box.stl", "box.stl", "--initial", IDENTITY,
+              "--set", "features.refinements=0"], BAD_INPUT),
             (["register", "box.stl", "box.stl", "--gravity", "0", "0", "0"], BAD_INPUT),
             (["register", "box.stl", "box.stl", "--gravity", "0", "1"], USAGE),
             (["register", "box.stl", "box.stl", "--known-scale", "-1"], USAGE),

@@ -159,6 +159,27 @@ TEST(CloudCandidates, AClearPoseThatFitsBetterMirroredIsLookedAt) {
   EXPECT_FALSE(mirrored.result.T_target_source);
 }
 
+// The mirror image at half turns from where it fits, at which nearest neighbours stay.
+TEST(CloudCandidates, AMirrorImageIsFoundFromAHalfTurn) {
+  const Eigen::Isometry3d box_on_box(Eigen::Translation3d(-0.05, 0, 0));
+  const CloudOptions options;
+  for (const std::uint64_t seed : {1u, 3u}) {
+    PointCloud source = box_with_plate(3000, RandomStream(seed, "plate")),
+               target = mirror_image(box_with_plate(3000, RandomStream(seed + 1, "plate")));
+    for (auto* cloud : {&source, &target}) add_normals(*cloud, options.features, 1);
+    const auto starts = turned_about_axes(mirror_image(source), Eigen::Isometry3d::Identity(), 2);
+    for (const Eigen::Isometry3d& start : starts) {
+      CloudRegistration registration;
+      registration.noise_bound = 0.005;
+      registration.result.status = RegistrationStatus::kFound;
+      registration.result.T_target_source = box_on_box;
+      refuse_if_mirrored(source, target, start, {}, options, registration);
+      EXPECT_TRUE(registration.result.mirrored) << seed;
+      EXPECT_FALSE(registration.result.T_target_source) << seed;
+    }
+  }
+}
+
 TEST(CloudCandidates, ReflectionsOfTheSourceAtAPose) {
   RandomStream random(3, "plate");
   const PointCloud source = box_with_plate(3000, random.fork("source"));

@@ -372,5 +372,17 @@ TEST(RegisterClouds, ScaleDoesNotMatter) {
   }
 }
 
+TEST(RegisterClouds, AnInitialPoseNeedsRefinements) {
+  CloudOptions options;
+  options.features.refinements = 0;
+  const PointCloud cloud = bunny_cloud(500, 1);
+  EXPECT_NO_THROW(register_clouds(cloud, cloud, options));
+  options.registration.initial = Eigen::Isometry3d::Identity();
+  EXPECT_THROW(register_clouds(cloud, cloud, options), BadInput);
+  options.registration.initial.reset();
+  options.registration.estimate_scale = true;
+  EXPECT_THROW(register_clouds(cloud, cloud, options), BadInput);
+}
+
 }  // namespace
 }  // namespace palpate::registration

@@ -103,5 +103,68 @@ TEST(FalseAlarms, IsCalibrated) {
   EXPECT_LE(below_hundredth, 5);           // 2 expected; more than 5 once in 60 times
 }
 
+/// Points of a grid of so many steps an axis.
+std::vector<Eigen::Vector3d> grid_points(int count, int steps, double width, RandomStream& random) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < count; ++i) {
+    Eigen::Vector3d p;
+    for (double& x : p)
+      x = width * static_cast<double>(random.index(static_cast<std::size_t>(steps)));
+    points.push_back(p);
+  }
+  return points;
+}
+
+// Wrong pairs agree exactly or not at all there: four exact ones are no evidence.
+TEST(FalseAlarms, CoordinatesOnAGridAreNoConsensus) {
+  int found = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    RandomStream random(seed, "grid");
+    const Correspondences integers{
+        grid_points(300, 10, 1, random), grid_points(300, 10, 1, random), {}, {}};
+    const Correspondences centimetres{
+        grid_points(150, 11, 0.01, random), grid_points(150, 11, 0.01, random), {}, {}};
+    found += register_correspondences(integers, {.noise_bound = 0.5}).T_target_source.has_value();
+    found += register_correspondences(centimetres).T_target_source.has_value();
+  }
+  EXPECT_LE(found, 2);
+}
+
+// Each point of a cube of points with another one, the cube turned.
+TEST(FalseAlarms, AShuffledLatticeIsNoConsensus) {
+  int found = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    RandomStream random(seed, "lattice");
+    const Eigen::Isometry3d T = testing::random_pose(random);
+    Correspondences c;
+    for (int i = 0; i < 125; ++i)
+      c.source.emplace_back(0.01 * (i % 5), 0.01 * (i / 5 % 5), 0.01 * (i / 25));
+    for (const auto& p : c.source) c.target.push_back(T * p);
+    for (std::size_t i = 124; i > 0; --i) std::swap(c.target[i], c.target[random.index(i + 1)]);
+    for (const double bound : {0.004, 0.0005}) {
+      found += register_correspondences(c, {.noise_bound = bound}).T_target_source.has_value();
+    }
+  }
+  EXPECT_LE(found, 1);
+}
+
+TEST(FalseAlarms, RightPairsOnAGridAreFound) {
+  const Eigen::Isometry3d turns[] = {
+      Eigen::Isometry3d(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ())),
+      Eigen::Isometry3d(Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitZ()))};
+  for (const double step : {0.001, 0.01}) {
+    for (const Eigen::Isometry3d& T : turns) {
+      RandomStream random(7, "right pairs on a grid");
+      const int steps = static_cast<int>(std::lround(0.1 / step));
+      Correspondences c{grid_points(300, steps, step, random), {}, {}, {}};
+      for (const auto& p : c.source) c.target.push_back((T * p / 0.001).array().round() * 0.001);
+      std::rotate(c.target.begin(), c.target.begin() + 7, c.target.begin() + 120);
+      const auto result = register_correspondences(c);
+      ASSERT_TRUE(result.T_target_source) << step;
+      EXPECT_LT(testing::rotation_error_deg(*result.T_target_source, T), 0.5) << step;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpate::registration

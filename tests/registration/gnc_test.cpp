@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "palpate/core/error.hpp"
+#include "palpate/registration/registration.hpp"
 #include "registration/problems.hpp"
 
 namespace palpate::registration {
@@ -14,6 +15,7 @@ namespace {
 
 using testing::make_problem;
 using testing::rotation_error_deg;
+using testing::translation_error_mm;
 
 constexpr RobustCost kTls = RobustCost::kTruncatedLeastSquares, kGm = RobustCost::kGemanMcClure;
 constexpr double kBound = 0.004;
@@ -127,6 +129,27 @@ TEST(Gnc, BadOptions) {
   }
   EXPECT_THROW(graduated_non_convexity(problem.correspondences, {.factor = 1}), BadInput);
   EXPECT_THROW(graduated_non_convexity(problem.correspondences, {.start_mu = 0}), BadInput);
+}
+
+// A third of the pairs agrees on another pose, with weight 0; few of large weight outweigh others.
+TEST(Gnc, PairsCountByTheirWeights) {
+  for (const RobustCost cost : {kTls, kGm}) {
+    auto problem = make_problem({.pairs = 60, .noise = 0.0005}, RandomStream(7, "gnc"));
+    auto& c = problem.correspondences;
+    for (std::size_t i = 0; i < 40; ++i) c.target[i].x() += 0.05;
+    c.weights.assign(60, 1);
+    for (std::size_t i = 0; i < 40; ++i) c.weights[i] = 0;
+    const GncResult excluded = graduated_non_convexity(c, {.cost = cost});
+    EXPECT_LT(translation_error_mm(excluded.T_target_source, problem.truth), 1);
+    for (std::size_t i = 0; i < 40; ++i) EXPECT_EQ(excluded.weights[i], 0);
+    const auto found = register_correspondences(c, {.method = Method::kGnc, .cost = cost});
+    ASSERT_TRUE(found.T_target_source);
+    EXPECT_EQ(found.inliers.front(), 40);
+    for (std::size_t i = 0; i < 40; ++i) c.weights[i] = 0.01;
+    EXPECT_LT(translation_error_mm(graduated_non_convexity(c, {.cost = cost}).T_target_source,
+                                   problem.truth),
+              1);
+  }
 }
 
 }  // namespace

@@ -323,5 +323,36 @@ TEST(Register, CovarianceMatchesTheError) {
   }
 }
 
+TEST(Register, CovarianceMatchesTheErrorOfUnequalWeights) {
+  double steep = 0, mixed = 0;
+  constexpr int kRuns = 60;
+  for (std::uint64_t seed = 0; seed < kRuns; ++seed) {
+    RandomStream random(seed, "weights");
+    for (double* sum : {&steep, &mixed}) {
+      auto problem = make_problem({.pairs = 300, .noise = 0.001}, random.fork("problem"));
+      for (int i = 0; i < 300; ++i) {
+        const double w = sum == &steep ? std::pow(random.uniform(), 4) : i < 20 ? 1 : 1e-3;
+        problem.correspondences.weights.push_back(w);
+      }
+      const auto result = register_correspondences(problem.correspondences);
+      ASSERT_TRUE(result.T_target_source);
+      const Vector6d error = log_se3(problem.truth * result.T_target_source->inverse());
+      *sum += error.dot(result.covariance.inverse() * error) / kRuns;
+    }
+  }
+  for (const double nees : {steep, mixed}) {
+    EXPECT_GT(nees, 4.5);
+    EXPECT_LT(nees, 8);
+  }
+}
+
+TEST(Register, CovarianceDoesNotDependOnTheUnitOfEqualWeights) {
+  auto problem = make_problem({.pairs = 100, .noise = 0.001}, RandomStream(3, "equal weights"));
+  const auto plain = register_correspondences(problem.correspondences);
+  problem.correspondences.weights.assign(100, 4);
+  const auto scaled = register_correspondences(problem.correspondences);
+  EXPECT_LT((scaled.covariance - plain.covariance).norm(), 1e-9 * plain.covariance.norm());
+}
+
 }  // namespace
 }  // namespace palpate::registration

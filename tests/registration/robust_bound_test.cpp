@@ -68,5 +68,16 @@ TEST(RobustBound, LessWorkLoosensIt) {
   EXPECT_THROW(bound_inliers(c, 0, 3, kEffort), BadInput);
 }
 
+// The work before the search for cliques looks at the clock, too: without time nothing is known.
+TEST(RobustBound, WithoutTimeIsTheNumberOfPairs) {
+  const auto problem =
+      make_problem({.pairs = 200, .outliers = 0.5, .noise = 0.001}, RandomStream(5, "bound"));
+  const RobustBound bound =
+      bound_inliers(problem.correspondences, kBound, 3, {.max_nodes = 20000, .max_seconds = 0});
+  EXPECT_EQ(bound.max_inliers, 200);
+  EXPECT_EQ(bound.nodes, 0);
+  EXPECT_FALSE(bound.is_exhausted);
+}
+
 }  // namespace
 }  // namespace palpate::registration

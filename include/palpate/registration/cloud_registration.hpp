@@ -64,7 +64,9 @@ struct CloudRegistration {
   std::size_t feature_inliers = 0;    ///< of the matches, within the bound before the refinement;
                                       ///< certificate.robust speaks of these
   double voxel = 0, noise_bound = 0;  ///< m, that were used
-  double overlap = 0;  ///< share of the source's points that have a target point within the bound
+  /// Share of the source's points whose nearest target point is within the bound, with normals that
+  /// part by at most 60 deg, as the refinement's first stage (the full bound) left them.
+  double overlap = 0;
   /// Share of the surface that lies off the other cloud's where it should lie on it, from 1 to 3
   /// bounds above or below; in the source and, if more than a tenth there, in the target: the
   /// smaller one. Above a tenth there is no pose, unless best_effort is set.
@@ -88,7 +90,7 @@ struct CloudRegistration {
 /// kDegenerate with a scaling among the `free_motions`. With several `instances` each further pose
 /// is found in the points of the target farther than the noise bound from the ones before.
 /// @throws BadInput as check_cloud(), with_normals() and register_correspondences(), and for an
-///         unknown scale with instances or an initial pose
+///         unknown scale with instances or an initial pose, and for either without refinements
 CloudRegistration register_clouds(const geometry::PointView& source,
                                   const geometry::PointView& target,
                                   const CloudOptions& options = {});

@@ -53,20 +53,21 @@ std::string_view to_string(GncStop stop);
 
 struct GncIteration {
   double mu = 0;
-  double cost = 0;              ///< sum of w r^2, m^2
+  double cost = 0;              ///< sum of w r^2 times the pairs' own weights, m^2
   std::vector<double> weights;  ///< after the update
 };
 
 struct GncResult {
   Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();
-  std::vector<double> weights;  ///< one a pair, 0..1
+  std::vector<double> weights;  ///< one a pair, 0..1, without its own; 0 for pairs of weight 0
   int iterations = 0;
   GncStop stop = GncStop::kMaxIterations;
   std::vector<GncIteration> history;  ///< if asked for
 };
 
 /// Graduated non-convexity: weighted poses with weights from a surrogate that grows from nearly
-/// convex to the robust cost (thesis Algorithm 1 with the start of Yang et al.).
+/// convex to the robust cost (thesis Algorithm 1 with the start of Yang et al.). The pairs' own
+/// weights, if there are any, multiply their costs.
 /// @throws BadInput as check(), and for a bound, factor or start_mu that is not positive (factor:
 ///         above 1)
 GncResult graduated_non_convexity(const Correspondences& correspondences,

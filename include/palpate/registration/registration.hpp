@@ -106,10 +106,12 @@ struct RegistrationResult {
   std::vector<int> inliers;       ///< ascending
   std::vector<double> weights;    ///< one a pair, 0..1
   std::vector<double> residuals;  ///< distances of points at the pose, m; empty without one
-  double cost = 0;          ///< sum of squared residuals of the inliers, of the primitive, m^2
-  double bound = 0;         ///< cost - least cost for these inliers is at most this, m^2
-  int iterations = 0;       ///< poses tried (kCliqueGnc) or GNC iterations
-  double false_alarms = 0;  ///< expected poses as good as this among wrong correspondences alone
+  double cost = 0;     ///< sum of squared residuals of the inliers, of the primitive, m^2
+  double bound = 0;    ///< cost - least cost for these inliers is at most this, m^2
+  int iterations = 0;  ///< poses tried (kCliqueGnc) or GNC iterations
+  /// Expected poses as good as this among wrong correspondences alone; 1, not estimated, of clouds
+  /// from an initial pose.
+  double false_alarms = 0;
   RegistrationCertificate certificate;
   std::optional<RunnerUp> runner_up;  ///< largest other consensus that came up
   std::vector<RunnerUp> instances;    ///< further poses, largest first, if asked for
@@ -124,7 +126,10 @@ struct RegistrationResult {
   /// Of twists [w; v] in the target frame, rad and m, 0 along those not allowed: the inverse
   /// information times the residuals' variance, estimated from the inliers, over the squared share
   /// of them that are right. Pairs that agree by accident add to the information what the cut at
-  /// the bound takes away again.
+  /// the bound takes away again. Unequal weights do not change the noise that is supposed of a
+  /// pair: I^-1 (sum w^2 J'J) I^-1 takes the place of the inverse information. Of refined clouds,
+  /// whose residuals depend on one another, times `normal_neighbours` and by how much the variance
+  /// within the whole bound exceeds that within the last one.
   Matrix6d covariance = Matrix6d::Zero();
   std::vector<GncIteration> history;                          ///< if asked for, kGnc
   double search_seconds = 0, solve_seconds = 0, seconds = 0;  ///< rejection, final solve, all
