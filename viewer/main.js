@@ -52,6 +52,7 @@ const timeline = new Timeline(byId('timeline'), recording, seekByHand);
 const plots = new Plots(byId('plots'), recording);
 const panel = new Panel(recording, document.title, shown, { seek: seekByHand, changed });
 const film = new Film('palpate', () => byId('caption').innerText.split('\n'));
+window.palpate = { recording, scene }; // for scripts
 if (scene) scene.onDrawn = (view) => film.running && film.picture(view);
 
 function changed() {

@@ -211,7 +211,9 @@ export class Panel {
           : recorded
             ? 'Key T shows the true pose and the errors. '
             : 'The true pose was not recorded. ',
-        'At other times the poses move with the palm.',
+        estimate.contacts.length
+          ? 'At other times the poses move with the palm.'
+          : 'The object rests until two fingers touch it.',
       ),
     );
   }

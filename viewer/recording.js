@@ -172,12 +172,25 @@ export class Recording {
     return this.count ? Math.min(estimate.time, this.time[frame]) : estimate.time;
   }
 
+  /**
+   * Time since which an estimated pose moves with the palm, as of t, or undefined. One from no
+   * contacts is that of the resting object (docs/recording-format.md), until two fingers touch.
+   */
+  carriedSince(estimate, t) {
+    if (estimate.contacts.length) return estimate.time;
+    const last = this.frameAt(t);
+    let frame = this.frameAt(estimate.time);
+    while (frame <= last && this.touching(frame) < 2) ++frame;
+    return frame <= last ? this.time[frame] : undefined;
+  }
+
   /** Time since which the object is held at t, according to estimates and beliefs. */
   heldFrom(t) {
-    const first = this.estimates.find((estimate) => estimate.time <= t + 1e-3);
+    const made = this.estimates.filter((estimate) => estimate.time <= t + 1e-3);
     const inHand = this.beliefs.find((belief) => belief.in_hand && belief.time <= t + 1e-3);
-    const times = [first?.time, inHand?.time].filter((time) => time !== undefined);
-    return times.length ? Math.min(...times) : undefined;
+    const times = [...made.map((estimate) => this.carriedSince(estimate, t)), inHand?.time];
+    const known = times.filter((time) => time !== undefined);
+    return known.length ? Math.min(...known) : undefined;
   }
 
   /** Time from which touches are shown at t: those of the bare table are none of the object. */

@@ -270,57 +270,54 @@ export class Scene {
     this.marks.show(r.contacts(frame));
     const believed = r.beliefAt(t);
     this.belief.visible = shown.estimate && believed >= 0;
-    if (this.belief.visible) this.#placeBelief(r.beliefs[believed], frame);
+    if (this.belief.visible) this.#placeBelief(r.beliefs[believed], t);
     const current = believed < 0 ? r.estimateAt(t) : -1;
     this.estimates.forEach((view, i) => {
       view.visible = i === current;
-      if (view.visible) this.#placeEstimate(view, r.estimates[i], frame, shown);
+      if (view.visible) this.#placeEstimate(view, r.estimates[i], t, shown);
     });
-    this.#placeTouches(t, frame, shown);
+    this.#placeTouches(t, shown);
   }
 
-  #placeBelief(belief, frame) {
+  #placeBelief(belief, t) {
     this.belief.show(belief);
-    if (belief.in_hand) this.belief.matrix.copy(this.#motionOfPalm(belief.time, frame));
-    else this.belief.matrix.identity();
+    this.#carry(this.belief, belief.in_hand ? belief.time : undefined, t);
   }
 
   /** Touches stay where they were sensed; those until the object is held go with the palm then. */
-  #placeTouches(t, frame, shown) {
+  #placeTouches(t, shown) {
     const r = this.recording;
     const held = r.heldFrom(t);
     this.touchMarks.visible = shown.touches;
     this.touchMarks.show(this.touches.list, r.touchesFrom(t), Math.min(t, held ?? t));
-    if (held === undefined) this.touchMarks.matrix.identity();
-    else this.touchMarks.matrix.copy(this.#motionOfPalm(held, frame));
+    this.#carry(this.touchMarks, held, t);
   }
 
-  /** The object sits in the hand: what was found of it moves with the palm. */
-  #placeEstimate(view, estimate, frame, shown) {
-    view.matrix.copy(this.#motionOfPalm(estimate.time, frame));
+  #placeEstimate(view, estimate, t, shown) {
+    this.#carry(view, this.recording.carriedSince(estimate, t), t);
     view.modes.forEach(
       (mode, i) => (mode.visible = shown.estimate && modeShown(shown, estimate, i)),
     );
     view.evidence.visible = shown.evidence;
   }
 
-  /** How the palm has moved in the world from a time to a frame. */
-  #motionOfPalm(time, frame) {
-    const r = this.recording;
-    const then = new THREE.Group();
-    this.#pose(then, r.linkPoses, r.links, r.palm, r.frameAt(time), 0);
-    then.updateMatrix();
-    const palm = new THREE.Group();
+  /** Moves what was found of the object as the palm has moved since a time; undefined: it rests. */
+  #carry(view, since, t) {
+    view.matrix.identity();
+    if (since === undefined) return;
     // Once the hand has let go, the object stays where it stood then.
-    const letGo = r.placement?.let_go.find((at) => at > time - 1e-3) ?? Infinity;
-    if (r.time[frame] > letGo) {
-      this.#pose(palm, r.linkPoses, r.links, r.palm, r.frameAt(letGo), 0);
-    } else {
-      palm.position.copy(this.links[r.palm].position);
-      palm.quaternion.copy(this.links[r.palm].quaternion);
-    }
+    const letGo = this.recording.placement?.let_go.find((at) => at > since - 1e-3) ?? Infinity;
+    view.matrix.copy(this.#palmAt(Math.min(t, letGo))).multiply(this.#palmAt(since).invert());
+  }
+
+  /** The palm's pose in the world. */
+  #palmAt(t) {
+    const r = this.recording;
+    const { frame, share } = r.between(t);
+    const palm = new THREE.Group();
+    this.#pose(palm, r.linkPoses, r.links, r.palm, frame, share);
     palm.updateMatrix();
-    return palm.matrix.multiply(then.matrix.invert());
+    return palm.matrix;
   }
 
   #pose(target, values, stride, index, frame, share) {

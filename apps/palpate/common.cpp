@@ -61,7 +61,12 @@ void accept_folder_of_pick(CLI::Option& option) {
   option.transform([](const std::string& given) {
     const auto inside = std::filesystem::path(given) / "recording.h5";
     std::error_code error;
-    return std::filesystem::is_regular_file(inside, error) ? inside.string() : given;
+    const auto is_there = [&error](const std::filesystem::path& path) {
+      return std::filesystem::is_regular_file(path, error);
+    };
+    // Of a pick that was interrupted there is a part, which reading names.
+    const bool is_pick = is_there(inside) || is_there(inside.string() + ".partial");
+    return is_pick ? inside.string() : given;
   });
 }
 

@@ -2,13 +2,18 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 #include <vector>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/hand/tip_forces.hpp"
 #include "palpate/ros2/export_recording.hpp"
+#include "palpate/tasks/relocate/episode_recording.hpp"
 #include "terminal.hpp"
 
 namespace palpate::app {
@@ -58,6 +63,24 @@ fs::path target_of(const ExportArguments& arguments) {
   return target;
 }
 
+bool is_known(const std::string& object) {
+  try {
+    geometry::load_known_object(object);
+    return true;
+  } catch (const BadInput&) {
+    return false;
+  }
+}
+
+/// Whether an MCAP of it can be replayed as it is: of the relocate task only the recording can, and
+/// an object from a mesh file has to be given.
+bool replays_as_mcap(const recording::Recording& recording) {
+  return !relocate::is_episode(recording) && is_known(recording.header.object.name) &&
+         std::ranges::any_of(recording.frames, [](const recording::Frame& frame) {
+           return hand::touching_fingers(frame.reading) >= 2;
+         });
+}
+
 /// By the Python package, which has the libraries for it: becomes its command.
 int export_by_python(const ExportArguments& arguments) {
   path_of(arguments);
@@ -93,8 +116,9 @@ int export_recording(const ExportArguments& arguments) {
   if (arguments.json) {
     print_json(nlohmann::json{{"path", target.string()}, {"messages", messages}});
   } else {
-    fmt::print("wrote {}: {} messages\nNext: palpate replay {}\n", target.string(), messages,
-               target.string());
+    fmt::print("wrote {}: {} messages\n", target.string(), messages);
+    if (replays_as_mcap(recording))
+      fmt::print("Next: palpate replay {}\n", quoted(target.string()));
   }
   return kDone;
 }

@@ -97,9 +97,14 @@ HttpStatus status_of(const HttpRequest& request, const ServerSide& side) {
   return {404, "Not Found"};
 }
 
-std::optional<std::uint64_t> last_message(const HttpRequest& request) {
+std::string message_id(std::string_view run, std::uint64_t number) {
+  return fmt::format("{}-{}", run, number);
+}
+
+std::optional<std::uint64_t> last_message(const HttpRequest& request, std::string_view run) {
   if (!request.last_event_id) return std::nullopt;
-  const std::string_view text = *request.last_event_id;
+  std::string_view text = *request.last_event_id;
+  if (take_until(text, "-") != run) return std::nullopt;
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;

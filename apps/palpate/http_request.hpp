@@ -36,8 +36,10 @@ HttpRequest parse_request(std::string_view head);
 /// have it.
 HttpStatus status_of(const HttpRequest& request, const ServerSide& side);
 
-/// Number of the message after which a stream is to go on, as a browser that lost it states.
-std::optional<std::uint64_t> last_message(const HttpRequest& request);
+/// What a browser that lost a stream states as the last message that it has: "RUN-NUMBER".
+std::string message_id(std::string_view run, std::uint64_t number);
+/// Number of the message after which a stream of this run is to go on; none if it is of another.
+std::optional<std::uint64_t> last_message(const HttpRequest& request, std::string_view run);
 
 /// The head of an answer. @param size  bytes of its body
 std::string answer_head(HttpStatus status, std::size_t size);

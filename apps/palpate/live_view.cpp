@@ -11,7 +11,7 @@
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/simulation/hand/load_hand.hpp"
+#include "replay_file.hpp"
 
 namespace palpate::app {
 namespace {
@@ -39,11 +39,9 @@ LiveView::~LiveView() {
 std::unique_ptr<recording::PageStream> LiveView::begin(
     const recording::RecordingHeader& header, const std::string& title,
     const recording::PageStream::Options& options) {
-  const auto hand = simulation::load_hand(header.hand.name);
   const std::uint64_t page = ++pages_;
-  log_.begin(recording::live_page(header, simulation::load_hand_visuals(hand),
-                                  read_file(asset("page.html")), read_file(asset("viewer.js")),
-                                  title));
+  log_.begin(recording::live_page(header, visuals_of(header.hand), read_file(asset("page.html")),
+                                  read_file(asset("viewer.js")), title));
   const auto send = [this, page](const std::string& message) {
     if (page == pages_) log_.add(message + "\n\n");
   };

@@ -214,7 +214,7 @@ void PageServer::answer(Connection& connection) const {
     connection.head = answer_head(status, 0);
   } else if (request.path == "/events") {
     const auto [first, end] = log_->range();
-    const auto last = last_message(request);
+    const auto last = last_message(request, run_);
     // A number of another page's, or of another run: from the beginning.
     connection.next = last && *last >= first && *last < end ? *last + 1 : first;
     connection.head = stream_head();
@@ -258,7 +258,7 @@ void PageServer::write_answer(Connection& connection) const {
 bool PageServer::next_message(Connection& connection) const {
   auto [message, number] = log_->from(connection.next);
   if (!message) return false;
-  connection.head = fmt::format("\nid: {}\ndata: ", number);
+  connection.head = fmt::format("\nid: {}\ndata: ", message_id(run_, number));
   connection.body = std::move(message);
   connection.sent = 0;
   connection.next = number + 1;

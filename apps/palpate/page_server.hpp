@@ -83,6 +83,7 @@ class PageServer {
   std::shared_ptr<const std::string> page_;  // where there is no log
   const MessageLog* log_ = nullptr;
   ServerSide side_;
+  std::string run_ = random_token();  // in the ids of messages, whose numbers each run begins at 0
   int listener_ = -1;
   std::vector<Connection> connections_;  // the oldest first
 };

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "hand_option.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -19,6 +20,7 @@
 #include "palpate/simulation/rendering/renderer.hpp"
 #include "palpate/tasks/relocate/episode_recording.hpp"
 #include "posterior_film.hpp"
+#include "replay_file.hpp"
 #include "terminal.hpp"
 
 namespace palpate::app {
@@ -113,11 +115,18 @@ simulation::Image draw(simulation::Renderer& renderer, const recording::Recordin
   return renderer.render(state_of(recording, frame), camera);
 }
 
+hand::Description drawn_hand(const recording::Recording& recording) {
+  try {
+    return load_recorded_hand(recording.header.hand);
+  } catch (const BadInput& error) {
+    throw BadInput(fmt::format("{}; palpate view draws its recorded spheres", error.what()));
+  }
+}
+
 simulation::Renderer renderer_of(const recording::Recording& recording,
                                  const RenderArguments& arguments) {
   const auto [width, height] = *parse_size(arguments.size);
-  return {simulation::load_hand(recording.header.hand.name), recording.header.object, width,
-          height};
+  return {drawn_hand(recording), recording.header.object, width, height};
 }
 
 /// One picture at the end of every phase.
@@ -228,7 +237,8 @@ int render(const RenderArguments& arguments) {
   }
   if (arguments.common.json) print_json(nlohmann::json{{"files", files}});
   if (pictures.empty()) return kDone;
-  print_next(arguments.common, fmt::format("open {} in a browser", pictures.back().file.string()));
+  print_next(arguments.common,
+             fmt::format("open {} in a browser", quoted(pictures.back().file.string())));
   return kDone;
 }
 

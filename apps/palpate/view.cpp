@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "hand_option.hpp"
 #include "interface_option.hpp"
 #include "live_view.hpp"
@@ -81,7 +82,7 @@ int view(const ViewArguments& arguments) {
   const fs::path file = output->path() / "replay.html";
   write_file_atomically(file, page);
   say_where(arguments, "page", file.string());
-  print_next(arguments.common, fmt::format("open {} in a browser", file.string()));
+  print_next(arguments.common, fmt::format("open {} in a browser", quoted(file.string())));
   return kDone;
 }
 

@@ -14,6 +14,7 @@ import importlib
 import json
 import os
 import pathlib
+import re
 import shutil
 import sys
 import tempfile
@@ -26,6 +27,7 @@ LEROBOT_VERSION, MINARI_VERSION = "v3.0", "0.5.1"
 DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 VIDEO_PATH = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 MIN_FRAMES = 2
+FORMAT_VERSION = 4  # of recordings, that is read; before it, the header has no joints
 
 
 @dataclasses.dataclass(frozen=True)
@@ -70,6 +72,20 @@ def _axes(names, axes="xyz"):
     return [f"{name}.{axis}" for name in names for axis in axes]
 
 
+def _check_seal(path):
+    """Raises ValueError unless it is a finished recording of the version that is read."""
+    with open(path, "rb") as file:
+        seal = re.match(rb"PALPATE RECORDING (\d{1,9})\n(finished )?", file.read(512))
+    if not seal:
+        raise ValueError(f"{path} is no recording")
+    version = int(seal[1])
+    if version != FORMAT_VERSION:
+        age = "old" if version < FORMAT_VERSION else "new"
+        raise ValueError(f"{path}: format {version} is too {age}: {FORMAT_VERSION} is exported")
+    if not seal[2]:
+        raise ValueError(f"{path}: its writer was not done")
+
+
 def read_episode(path):
     """The recording.h5 of a pick as an Episode.
 
@@ -77,17 +93,11 @@ def read_episode(path):
     """
     h5py = _needed("h5py")
     path = pathlib.Path(path)
-    with open(path, "rb") as file:
-        first, second = (file.read(512).split(b"\n") + [b"", b""])[:2]
-    if not first.startswith(b"PALPATE RECORDING "):
-        raise ValueError(f"{path} is no recording")
-    if not second.startswith(b"finished"):
-        raise ValueError(f"{path}: its writer was not done")
+    _check_seal(path)
     try:
         with h5py.File(path) as file:
             header = json.loads(file["header/json"][:, 0].astype(np.uint8).tobytes())
-            frames = {name: table[:] for name, table in file["frames"].items()}
-        return _episode(path, header, frames)
+            return _episode(path, header, {name: table[:] for name, table in file["frames"].items()})
     except (KeyError, OSError) as error:
         raise ValueError(f"{path} is damaged: {error}") from error
 
@@ -252,6 +262,10 @@ def _box(size):
     }
 
 
+def _dataset_name(folder):  # of letters that Minari takes in an id
+    return re.sub(r"[^\w-]", "-", folder.name.split(".")[0], flags=re.ASCII) or "picks"
+
+
 def _write_minari(episodes, folder):
     """Returns the number of steps: one less an episode than of ticks, for each leads to a next."""
     h5py = _needed("h5py")
@@ -276,7 +290,7 @@ def _write_minari(episodes, folder):
         "total_episodes": len(episodes),
         "total_steps": sum(steps),
         "data_format": "hdf5",
-        "dataset_id": f"palpate/{folder.name.split('.')[0]}-v0",
+        "dataset_id": f"palpate/{_dataset_name(folder)}-v0",
         "minari_version": MINARI_VERSION,
         "observation_space": json.dumps({"type": "Dict", "subspaces": spaces}),
         "action_space": json.dumps(_box(episodes[0].features["action"].shape[1])),

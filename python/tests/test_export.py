@@ -18,8 +18,8 @@ JOINTS, ACTUATORS, FINGERS, TICKS = ["j1", "j2", "j3"], ["a1", "a2"], ["thumb", 
 STEPS = np.arange(TICKS)
 
 
-def write_recording(path, seal="finished 0123456789abcdef", joints=JOINTS):
-    """A small one of the format's version 4: in tick t the thumb has t % 3 contacts."""
+def write_recording(path, seal="finished 0123456789abcdef", joints=JOINTS, version="4"):
+    """A small one, of the format's version 4: in tick t the thumb has t % 3 contacts."""
     import h5py
 
     counts = np.stack([STEPS % 3, np.zeros(TICKS, int)], 1).astype(np.int32)
@@ -51,7 +51,7 @@ def write_recording(path, seal="finished 0123456789abcdef", joints=JOINTS):
         for name, table in tables.items():
             file[f"frames/{name}"] = table
     with open(path, "r+b") as file:
-        file.write(f"PALPATE RECORDING 4\n{seal}\n".encode())
+        file.write(f"PALPATE RECORDING {version}\n{seal}\n".encode())
     return path
 
 
@@ -143,6 +143,28 @@ class Export(unittest.TestCase):
             path = write_recording(self.folder / "other.h5", seal)
             with self.assertRaisesRegex(ValueError, "was not done"):
                 export.read_episode(path)
+
+    def test_a_recording_of_another_version_is_refused(self):
+        for version, word in [
+            ("9", "format 9 is too new"),
+            ("3", "format 3 is too old"),
+            ("4x", "no recording"),
+        ]:
+            path = write_recording(self.folder / "other.h5", version=version)
+            with self.assertRaisesRegex(ValueError, word):
+                export.read_episode(path)
+
+    def test_the_id_of_a_minari_data_set_is_one_that_minari_takes(self):
+        for folder, name in [
+            ("picks minari", "picks-minari"),
+            ("set é", "set--"),
+            ("run_2.minari", "run_2"),
+            (".minari", "picks"),
+        ]:
+            out = self.folder / folder
+            export.export("minari", [self.recording], out)
+            metadata = json.loads((out / "data/metadata.json").read_text())
+            self.assertEqual(metadata["dataset_id"], f"palpate/{name}-v0")
 
     def test_a_damaged_recording_is_refused(self):
         import h5py

@@ -12,12 +12,14 @@ constexpr std::string_view kPage = R"(<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark">
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; media-src blob:; frame-src 'self' about:">
 <title>{}</title>
 <style>
   html, body {{ height: 100%; margin: 0; }}
   body {{ display: grid; grid-template: minmax(0, 1fr) / 1fr 1fr; gap: 2px; }}
+  @media (max-width: 860px) {{ body {{ grid-template: repeat(2, minmax(0, 1fr)) / 1fr; }} }}
   iframe {{ border: 0; width: 100%; height: 100%; }}
 </style>
 </head>

@@ -2,6 +2,7 @@
 #include "recording/page_data.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "palpate/hand/kinematics.hpp"
@@ -14,12 +15,22 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxFrames = 1500, kMinStride = 2;  // of recorded frames, 100 a second
 
-/// Recorded frames that the page holds: every so-manieth and the last.
-std::vector<std::size_t> chosen_frames(std::size_t count) {
-  std::vector<std::size_t> chosen;
+constexpr std::size_t kMaxTouchFrames = 1500;  // beside those
+
+/// Recorded frames that the page holds: every so-manieth, those of touches between, and the last.
+std::vector<std::size_t> chosen_frames(const std::vector<Frame>& frames) {
+  const std::size_t count = frames.size();
   const std::size_t stride = std::max(kMinStride, (count + kMaxFrames - 1) / kMaxFrames);
-  for (std::size_t i = 0; i + 1 < count; i += stride) chosen.push_back(i);
-  if (count > 0) chosen.push_back(count - 1);
+  std::vector<std::size_t> chosen;
+  std::size_t beside = 0;
+  TouchesShown touches;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool regular = i % stride == 0 || i + 1 == count;
+    if (regular) touches.begin();
+    const bool another = touches.add(frames[i].reading) && !regular && beside < kMaxTouchFrames;
+    beside += another ? 1 : 0;
+    if (regular || another) chosen.push_back(i);
+  }
   return chosen;
 }
 
@@ -57,8 +68,9 @@ void append_contacts(const hand::HandReading& reading, const hand::Description& 
   series.contact_counts.push_back(count);
 }
 
-void append_frame(const Frame& frame, const hand::Description& hand, Series& series) {
-  series.time.push_back(static_cast<float>(frame.reading.time));
+void append_frame(const Frame& frame, const hand::Description& hand, double origin,
+                  Series& series) {
+  series.time.push_back(static_cast<float>(frame.reading.time - origin));
   auto T_world_links = hand::forward_kinematics(hand, frame.reading.joints);
   const Eigen::Isometry3d T_world_base = frame.reading.base.pose();
   for (auto& T : T_world_links) {
@@ -90,17 +102,32 @@ json fingers_to_json(const hand::Description& hand) {
 
 json chosen_to_json(const Recording& recording) {
   Series series;
-  for (const std::size_t i : chosen_frames(recording.frames.size())) {
-    append_frame(recording.frames[i], recording.header.hand, series);
+  const double origin = page_origin(recording);
+  for (const std::size_t i : chosen_frames(recording.frames)) {
+    append_frame(recording.frames[i], recording.header.hand, origin, series);
   }
   return series_to_json(series);
 }
 
 }  // namespace
 
-json frame_to_json(const Frame& frame, const hand::Description& hand) {
+double page_origin(double first_frame) { return std::floor(first_frame); }
+
+double page_origin(const Recording& recording) {
+  return recording.frames.empty() ? 0 : page_origin(recording.frames.front().reading.time);
+}
+
+bool TouchesShown::add(const hand::HandReading& reading) {
+  const std::uint32_t before = seen_;
+  for (std::size_t finger = 0; finger < reading.contacts.size(); ++finger) {
+    if (!reading.contacts[finger].empty()) seen_ |= std::uint32_t{1} << finger;
+  }
+  return seen_ != before;
+}
+
+json frame_to_json(const Frame& frame, const hand::Description& hand, double origin) {
   Series series;
-  append_frame(frame, hand, series);
+  append_frame(frame, hand, origin, series);
   return series_to_json(series);
 }
 

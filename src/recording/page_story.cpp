@@ -17,18 +17,18 @@ namespace {
 using nlohmann::json;
 
 /// Phases in order; one that never ended lasts to the last frame.
-json phases_to_json(const std::vector<Event>& events, double last) {
+json phases_to_json(const std::vector<Event>& events, double last, double origin) {
   json phases = json::array();
   for (const Event& event : events) {
     if (event.kind == EventKind::begin) {
       phases.push_back({{"name", event.phase},
-                        {"begin", event.time},
-                        {"end", std::max(last, event.time)},
+                        {"begin", event.time - origin},
+                        {"end", std::max(last, event.time) - origin},
                         {"outcome", ""}});
     }
     if (event.kind != EventKind::end || phases.empty()) continue;
     if (phases.back()["name"] != event.phase) continue;
-    phases.back()["end"] = event.time;
+    phases.back()["end"] = event.time - origin;
     phases.back()["outcome"] = event.text;
   }
   return phases;
@@ -40,7 +40,7 @@ constexpr std::size_t kBoxNumbers = kPoseNumbers + 3;
 
 /// Where the object was to be put, the way planned there (x y z of its centroid), the boxes of the
 /// fixture (pose, then half extents), and when the hand let go there, as the notes state.
-json placement_to_json(const std::vector<Event>& events) {
+json placement_to_json(const std::vector<Event>& events, double origin) {
   json placement = {{"target", nullptr},
                     {"path", json::array()},
                     {"fixture", json::array()},
@@ -53,7 +53,7 @@ json placement_to_json(const std::vector<Event>& events) {
     if (path.size() % 3 == 0 && !path.empty()) placement["path"] = path;
     const auto box = numbers_after(kFixture, event.text, kBoxNumbers);
     if (!box.empty()) placement["fixture"].push_back(box);
-    if (event.text == kLetGo) placement["let_go"].push_back(event.time);
+    if (event.text == kLetGo) placement["let_go"].push_back(event.time - origin);
   }
   return placement;
 }
@@ -122,47 +122,46 @@ json mode_with_sigmas(const PoseModeRecord& mode) {
 
 }  // namespace
 
-json estimate_to_json(const EstimateRecord& estimate, const FrameTruth* truth,
-                      const std::vector<Eigen::Matrix3d>& symmetries) {
+json estimate_to_json(const EstimateRecord& estimate, const PageContext& context) {
   json modes = json::array(), contacts = json::array();
   for (const auto& mode : estimate.modes) {
     modes.push_back(mode_with_sigmas(mode));
-    if (!truth) continue;
-    add_errors(mode, truth->T_world_object, symmetries, modes.back());
+    if (!context.truth) continue;
+    add_errors(mode, context.truth->T_world_object, context.symmetries, modes.back());
   }
   for (const auto& contact : estimate.contacts) {
     contacts.push_back({{"finger", contact.finger},
                         {"p", matrix_to_json(contact.p)},
                         {"n", matrix_to_json(contact.n)}});
   }
-  return {{"time", estimate.time},
+  return {{"time", estimate.time - context.origin},
           {"status", estimate.status},
           {"modes", modes},
           {"contacts", contacts}};
 }
 
-json belief_to_json(const BeliefRecord& belief, const FrameTruth* truth,
-                    const std::vector<Eigen::Matrix3d>& symmetries) {
+json belief_to_json(const BeliefRecord& belief, const PageContext& context) {
   json poses = json::array();
   for (const auto& pose : belief.poses) {
     poses.push_back(
         {{"probability", pose.probability}, {"T_world_object", pose_to_json(pose.T_world_object)}});
   }
-  json j = {{"time", belief.time},
+  json j = {{"time", belief.time - context.origin},
             {"source", belief.source},
             {"in_hand", belief.in_hand},
             {"entropy", entropy(belief)},
             {"poses", poses}};
-  if (truth && !belief.poses.empty()) {
+  if (context.truth && !belief.poses.empty()) {
     PoseModeRecord best;
     best.T_world_object = belief.poses.front().T_world_object;
-    add_errors(best, truth->T_world_object, symmetries, j);
+    add_errors(best, context.truth->T_world_object, context.symmetries, j);
   }
   return j;
 }
 
-json events_to_json(const std::vector<Event>& events, double last) {
-  return {{"phases", phases_to_json(events, last)}, {"placement", placement_to_json(events)}};
+json events_to_json(const std::vector<Event>& events, double last, double origin) {
+  return {{"phases", phases_to_json(events, last, origin)},
+          {"placement", placement_to_json(events, origin)}};
 }
 
 bool holds_belief(const Event& event) {
@@ -183,7 +182,11 @@ BeliefRecord belief_of(const Event& event) {
 }
 
 json page_story(const Recording& recording) {
-  const auto& symmetries = recording.header.object.symmetries;
+  const double origin = page_origin(recording);
+  const auto context_at = [&](double time) {
+    return PageContext{origin, truth_at(recording.frames, time),
+                       recording.header.object.symmetries};
+  };
   std::vector<BeliefRecord> beliefs = recording.beliefs;
   if (beliefs.empty()) {  // of before they were recorded
     for (const Event& event : recording.events) {
@@ -193,14 +196,13 @@ json page_story(const Recording& recording) {
   std::ranges::stable_sort(beliefs, {}, &BeliefRecord::time);
   json estimates = json::array(), shown = json::array();
   for (const auto& estimate : recording.estimates) {
-    estimates.push_back(
-        estimate_to_json(estimate, truth_at(recording.frames, estimate.time), symmetries));
+    estimates.push_back(estimate_to_json(estimate, context_at(estimate.time)));
   }
   for (const auto& belief : beliefs) {
-    shown.push_back(belief_to_json(belief, truth_at(recording.frames, belief.time), symmetries));
+    shown.push_back(belief_to_json(belief, context_at(belief.time)));
   }
   const double last = recording.frames.empty() ? 0 : recording.frames.back().reading.time;
-  json story = events_to_json(recording.events, last);
+  json story = events_to_json(recording.events, last, origin);
   story.update({{"beliefs", shown}, {"estimates", estimates}});
   return story;
 }

@@ -28,9 +28,11 @@ struct PageStream::Impl {
   std::mutex mutex;
   std::vector<Event> events;
   std::vector<std::pair<double, FrameTruth>> truths;  // by the time, of the frames that were sent
-  std::optional<double> sent_at;                      // s, time of the last frame that was sent
-  double now = 0;                                     // s
-  bool has_beliefs = false;                           // other than those of the events
+  std::optional<double> origin;                       // s, as of the page's times
+  std::optional<double> sent_at;  // s, time of the last frame that was sent as it was due
+  TouchesShown touches;           // since then
+  double now = 0;                 // s
+  bool has_beliefs = false;       // other than those of the events
 
   void send(const char* kind, json content) {
     const json message = {{kind, std::move(content)}};
@@ -45,8 +47,30 @@ struct PageStream::Impl {
     return after == truths.begin() ? nullptr : &std::prev(after)->second;
   }
 
+  /// Where the page's clock is 0: the first frame or event decides.
+  double origin_at(double time) {
+    if (!origin) origin = page_origin(time);
+    return *origin;
+  }
+
+  [[nodiscard]] PageContext context_at(double time) const {
+    return {origin.value_or(page_origin(time)), truth_at(time), header.object.symmetries};
+  }
+
   void add(const BeliefRecord& belief) {
-    send("belief", belief_to_json(belief, truth_at(belief.time), header.object.symmetries));
+    send("belief", belief_to_json(belief, context_at(belief.time)));
+  }
+
+  /// Whether the frame is shown: the first, one a period, one after a step back in time, and those
+  /// in which another finger touches.
+  bool takes(const hand::HandReading& reading) {
+    const double due = sent_at.value_or(-1e9) + options.period - hand::kTick / 2;
+    const bool early = sent_at && reading.time >= *sent_at && reading.time < due;
+    if (!early) {
+      sent_at = reading.time;
+      touches.begin();
+    }
+    return touches.add(reading) || !early;
   }
 };
 
@@ -62,11 +86,9 @@ PageStream::~PageStream() = default;
 void PageStream::frame(const Frame& frame) {
   const std::lock_guard lock(impl_->mutex);
   impl_->now = frame.reading.time;
-  const double due = impl_->sent_at.value_or(-1e9) + impl_->options.period - hand::kTick / 2;
-  if (impl_->sent_at && frame.reading.time >= *impl_->sent_at && frame.reading.time < due) return;
-  impl_->sent_at = frame.reading.time;
+  if (!impl_->takes(frame.reading)) return;
   if (frame.truth) impl_->truths.emplace_back(frame.reading.time, *frame.truth);
-  json content = frame_to_json(frame, impl_->header.hand);
+  json content = frame_to_json(frame, impl_->header.hand, impl_->origin_at(frame.reading.time));
   content["sent_ms"] = wall_clock_ms();
   impl_->send("frames", std::move(content));
 }
@@ -78,13 +100,13 @@ void PageStream::event(const Event& event) {
     return;
   }
   impl_->events.push_back(event);
-  impl_->send("story", events_to_json(impl_->events, std::max(impl_->now, event.time)));
+  impl_->send("story", events_to_json(impl_->events, std::max(impl_->now, event.time),
+                                      impl_->origin_at(event.time)));
 }
 
 void PageStream::estimate(const EstimateRecord& estimate) {
   const std::lock_guard lock(impl_->mutex);
-  impl_->send("estimate", estimate_to_json(estimate, impl_->truth_at(estimate.time),
-                                           impl_->header.object.symmetries));
+  impl_->send("estimate", estimate_to_json(estimate, impl_->context_at(estimate.time)));
 }
 
 void PageStream::belief(const BeliefRecord& belief) {

@@ -53,7 +53,8 @@ std::string read_seal(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, error)) {
     const auto partial = path.string() + ".partial";
     throw BadInput(std::filesystem::exists(partial, error)
-                       ? fmt::format("{}: no such file; the recording was not finished, see {}",
+                       ? fmt::format("{}: no such file; the recording was not finished, and what "
+                                     "there is of it can be read as {}",
                                      path.string(), partial)
                        : fmt::format("{}: no such file", path.string()));
   }

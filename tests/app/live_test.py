@@ -27,12 +27,12 @@ PICK = ["--object", "box", "--seed", "7", *QUICK]
 
 
 class Viewer(threading.Thread):
-    """One that watches: every message of a stream, with its number."""
+    """One that watches: every message of a stream, with its number, and the run that sends it."""
 
     def __init__(self, url, last=None, slow=False):
         super().__init__(daemon=True)
         self.parts = urllib.parse.urlsplit(url)
-        self.last, self.slow, self.messages, self.status = last, slow, [], None
+        self.last, self.slow, self.messages, self.status, self.sender = last, slow, [], None, None
         self.enough = lambda _: False
         self.start()
 
@@ -50,7 +50,8 @@ class Viewer(threading.Thread):
             for line in answer:
                 field, _, value = line.decode().rstrip("\n").partition(": ")
                 if field == "id":
-                    number = int(value)
+                    self.sender, _, number = value.partition("-")
+                    number = int(number)
                 if field == "data":
                     self.messages.append((number, json.loads(value)))
                     if self.enough(self.messages[-1][1]):
@@ -159,14 +160,21 @@ class Pick(LiveTest):
         first.enough = lambda _: len(first.messages) >= 50
         first.join(timeout=200)
         last = first.messages[-1][0]
-        second, from_start = Viewer(url, last=last), Viewer(url, last=10**12)
-        second.enough = from_start.enough = lambda _: True
-        second.join(timeout=200)
-        from_start.join(timeout=200)
-        self.assertEqual(second.messages[0][0], last + 1)
-        self.assertEqual(from_start.messages[0], first.messages[0])
+        self.assertRegex(first.sender, "^[0-9a-f]{32}$")
+        second = self.first_message(url, f"{first.sender}-{last}")
+        self.assertEqual(second[0], last + 1)
+        # A message that is not there, one of an earlier run, and no message at all.
+        for stated in (f"{first.sender}-{10**12}", f"{'0' * 32}-{last}", last, first.sender):
+            self.assertEqual(self.first_message(url, stated), first.messages[0], stated)
         program.send_signal(signal.SIGINT)
         program.communicate(timeout=100)
+
+    def first_message(self, url, last):
+        """Of a stream, to a browser that states the last message that it has."""
+        viewer = Viewer(url, last=last)
+        viewer.enough = lambda _: True
+        viewer.join(timeout=200)
+        return viewer.messages[0]
 
     def test_addresses_that_cannot_be_are_refused(self):
         for address in ("a", "70000", "1.2.3:80", "example.org:80", "127.0.0.1:"):

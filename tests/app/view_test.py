@@ -129,6 +129,27 @@ class View(RecordingTest):
             if command[0] != "view":
                 self.assertEqual(report["path"][:5], "run/\ufffd", command)
 
+    def test_the_part_of_an_interrupted_pick_is_named_and_read(self):
+        recording = self.folder / self.record()
+        recording.rename(f"{recording}.partial")
+        for command in (["view", "run", "--out", "page"], ["replay", "run"], ["export", "mcap", "run"]):
+            self.assert_refused(BAD_INPUT, command, "can be read as run/recording.h5.partial")
+        page = self.run_json("view", "run/recording.h5.partial", "--out", "page")["page"]
+        self.assertTrue((self.folder / page).exists())
+
+    def test_next_lines_are_commands_that_work(self):
+        self.record()
+        done = self.run_program("view", "run", "--out", "my page")
+        self.assertIn("Next: open 'my page/replay.html' in a browser\n", done.stdout)
+        done = self.run_program("export", "mcap", "run", "--out", "my box.mcap")
+        self.assertIn("Next: palpate replay 'my box.mcap'\n", done.stdout)
+        self.run_json("replay", "my box.mcap")
+        # Of an episode of the relocate task only the recording can be replayed.
+        self.run_json("rollout", "relocate-robust", "--episodes", "1", "--set", "episode.horizon=5",
+                      "--record", "1", "--out", "rollout")  # fmt: skip
+        done = self.run_program("export", "mcap", "rollout/episode-0.h5", "--out", "rollout.mcap")
+        self.assertEqual((done.returncode, "Next" in done.stdout), (DONE, False), done.stderr)
+
     def test_no_recording(self):
         self.assert_refused(BAD_INPUT, ["view", "missing.h5"], "missing.h5")
 

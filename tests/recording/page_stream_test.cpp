@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -47,7 +48,8 @@ struct Sent {
 
 TEST(PageStream, ThinsFramesAndNothingElse) {
   Sent sent;
-  for (int i = 0; i <= 100; ++i) sent.stream.frame(frame_at(header(), 0.01 * i));
+  const RecordingHeader known = header();
+  for (int i = 0; i <= 100; ++i) sent.stream.frame(frame_at(known, 0.01 * i));
   EXPECT_EQ(sent.of("frames").size(), 21u);
   for (int i = 0; i < 3; ++i) sent.stream.event({1.0, EventKind::begin, "lift", ""});
   EXPECT_EQ(sent.of("story").size(), 3u);
@@ -59,6 +61,49 @@ TEST(PageStream, FramesAfterAStepBackInTimeAreSent) {
   sent.stream.frame(frame_at(header(), 5));
   sent.stream.frame(frame_at(header(), 1));
   EXPECT_EQ(sent.of("frames").size(), 2u);
+}
+
+TEST(PageStream, AFrameInWhichAnotherFingerTouchesIsSent) {
+  RecordingHeader touching = header();
+  touching.hand.links.resize(1);
+  for (auto& finger : touching.hand.fingers) finger.link = 0;
+  std::vector<json> frames;
+  PageStream stream(
+      touching, [&](const std::string& text) { frames.push_back(json::parse(text)["frames"]); });
+  for (int i = 0; i <= 100; ++i) {
+    Frame frame = frame_at(touching, 0.01 * i);
+    if (i == 42) frame.reading.contacts[1].emplace_back();
+    if (i == 42 || i == 43) frame.reading.contacts[2].emplace_back();
+    stream.frame(frame);
+  }
+  EXPECT_EQ(frames.size(), 22u);
+  EXPECT_EQ(
+      std::ranges::count(frames, "AgAAAA==", [](const json& f) { return f["contact_counts"]; }),
+      1);  // two contacts in the only frame
+}
+
+TEST(PageStream, TimesCountFromTheWholeSecondBeforeTheFirstFrame) {
+  constexpr double kSince1970 = 1.764e9;  // s
+  const RecordingHeader known = header();
+  Sent sent;
+  sent.stream.belief({.time = 0, .source = "prior", .in_hand = false, .poses = {}});
+  sent.stream.event({kSince1970 + 0.01, EventKind::begin, "lift", ""});
+  for (int i = 1; i <= 100; ++i) sent.stream.frame(frame_at(known, kSince1970 + 0.01 * i));
+  sent.stream.event({kSince1970 + 1, EventKind::end, "lift", "ok"});
+  sent.stream.estimate(
+      {.time = kSince1970 + 0.5, .status = "certain", .modes = {}, .contacts = {}});
+  sent.stream.belief({.time = kSince1970 + 0.75, .source = "online", .in_hand = true, .poses = {}});
+  const auto phase = sent.of("story").back()["phases"][0];
+  EXPECT_NEAR(phase["begin"].get<double>(), 0.01, 1e-6);
+  EXPECT_NEAR(phase["end"].get<double>(), 1, 1e-6);
+  EXPECT_NEAR(sent.of("estimate")[0]["time"].get<double>(), 0.5, 1e-6);
+  EXPECT_EQ(sent.of("belief")[0]["time"], 0.0);
+  EXPECT_NEAR(sent.of("belief")[1]["time"].get<double>(), 0.75, 1e-6);
+  Sent early;
+  early.stream.frame(frame_at(known, 0.25));
+  Sent late;
+  late.stream.frame(frame_at(known, kSince1970 + 0.25));
+  EXPECT_EQ(late.of("frames")[0]["time"], early.of("frames")[0]["time"]);
 }
 
 TEST(PageStream, ABeliefOfEarlierIsJudgedByTheTruthOfThen) {
@@ -98,6 +143,9 @@ TEST(ComparePage, HoldsBothPagesAsTheyAre) {
   const std::string page = compare_page("<p a=\"1\">left</p>", "<p>right</p>", "two");
   EXPECT_NE(page.find("srcdoc=\"&lt;p a=&quot;1&quot;&gt;left&lt;/p&gt;\""), std::string::npos);
   EXPECT_NE(page.find("srcdoc=\"&lt;p&gt;right&lt;/p&gt;\""), std::string::npos);
+  // On a telephone one is above the other.
+  EXPECT_NE(page.find("<meta name=\"viewport\" content=\"width=device-width"), std::string::npos);
+  EXPECT_NE(page.find("@media (max-width: 860px) { body { grid-template: "), std::string::npos);
 }
 
 TEST(Entropy, IsThatOfTheShares) {

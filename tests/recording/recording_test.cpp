@@ -239,6 +239,9 @@ TEST(RecordingTest, NamesWhatIsWrongWithAFile) {
   const TestFolder folder;
   EXPECT_NE(message_of(folder / "none.h5").find("none.h5: no such file"), std::string::npos);
   EXPECT_NE(message_of(folder / "").find("not a file"), std::string::npos);
+  std::ofstream(folder / "part.h5.partial");
+  EXPECT_NE(message_of(folder / "part.h5").find("can be read as "), std::string::npos);
+  EXPECT_NE(message_of(folder / "part.h5").find("part.h5.partial"), std::string::npos);
   std::ofstream(folder / "empty.h5");
   EXPECT_NE(message_of(folder / "empty.h5").find("not a palpate recording"), std::string::npos);
   std::ofstream(folder / "text.h5") << std::string(4096, 'x');

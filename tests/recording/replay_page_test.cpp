@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -46,9 +47,23 @@ std::vector<T> decoded(const std::string& text) {
   return values;
 }
 
+/// In which nothing is touched.
+Recording untouched_recording(int ticks) {
+  Recording recording = toy_recording(ticks);
+  for (Frame& frame : recording.frames) {
+    for (auto& finger : frame.reading.contacts) finger.clear();
+  }
+  return recording;
+}
+
+void touch(Frame& frame, std::size_t finger) {
+  frame.reading.contacts[finger] = {
+      {Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitZ()}};
+}
+
 TEST(ReplayPageTest, HoldsEveryOtherFrameAndTheLast) {
   for (const int ticks : {0, 1, 2, 101, 250}) {
-    const Recording recording = toy_recording(ticks);
+    const Recording recording = untouched_recording(ticks);
     const auto frames = data_of(page_of(recording))["frames"];
     const std::size_t expected = ticks == 0 ? 0 : static_cast<std::size_t>(ticks) / 2 + 1;
     const auto time = decoded<float>(frames["time"]);
@@ -71,6 +86,53 @@ TEST(ReplayPageTest, ThinsLongRecordings) {
   const std::size_t count = data_of(page_of(recording))["frames"]["count"];
   EXPECT_LE(count, 1501u);
   EXPECT_GT(count, 1000u);
+}
+
+TEST(ReplayPageTest, HoldsAFrameOfATouchThatIsShorterThanFramesAreApart) {
+  Recording recording = untouched_recording(101);
+  touch(recording.frames[31], 2);
+  for (const std::size_t i : {51u, 52u, 53u}) touch(recording.frames[i], 1);
+  const auto frames = data_of(page_of(recording))["frames"];
+  const auto time = decoded<float>(frames["time"]);
+  const auto counts = decoded<std::uint32_t>(frames["contact_counts"]);
+  ASSERT_EQ(time.size(), 53u);  // every other one, and the first of each touch
+  for (const std::size_t i : {31u, 51u, 52u}) {
+    const auto at = std::ranges::find(time, static_cast<float>(recording.frames[i].reading.time));
+    ASSERT_NE(at, time.end());
+    EXPECT_EQ(counts[static_cast<std::size_t>(at - time.begin())], 1u);
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(time));
+
+  recording.frames.resize(9001, recording.frames[0]);  // a sensor that flickers
+  for (std::size_t i = 0; i < recording.frames.size(); ++i) touch(recording.frames[i], i % 5);
+  EXPECT_LE(data_of(page_of(recording))["frames"]["count"], 3001u);
+}
+
+TEST(ReplayPageTest, IsTheSameWhateverTheClock) {
+  constexpr double kSince1970 = 1.764e9;  // s, in which 32 bits resolve a minute
+  Recording recording = toy_recording(100);
+  recording.events.push_back({0.7, EventKind::note, "place", "mark placed"});
+  recording.beliefs = {{.time = 0.3, .source = "touch", .in_hand = false, .poses = {}}};
+  const auto expected = data_of(page_of(recording));
+  for (Frame& frame : recording.frames) frame.reading.time += kSince1970;
+  for (Event& event : recording.events) event.time += kSince1970;
+  for (EstimateRecord& estimate : recording.estimates) estimate.time += kSince1970;
+  for (BeliefRecord& belief : recording.beliefs) belief.time += kSince1970;
+  const auto shifted = data_of(page_of(recording));
+
+  constexpr double kClose = 1e-6;  // s; doubles resolve less than that
+  const auto expected_time = decoded<float>(expected["frames"]["time"]);
+  const auto time = decoded<float>(shifted["frames"]["time"]);
+  ASSERT_EQ(time.size(), expected_time.size());
+  for (std::size_t i = 0; i < time.size(); ++i) EXPECT_NEAR(time[i], expected_time[i], kClose);
+  for (const char* const at :
+       {"/phases/0/begin", "/phases/0/end", "/phases/1/begin", "/placement/let_go/0",
+        "/estimates/0/time", "/estimates/1/time", "/beliefs/0/time"}) {
+    const nlohmann::json::json_pointer pointer(at);
+    EXPECT_NEAR(shifted[pointer].get<double>(), expected[pointer].get<double>(), kClose) << at;
+  }
+  const nlohmann::json::json_pointer error("/estimates/0/modes/0/rotation_error_deg");
+  EXPECT_EQ(shifted[error], expected[error]);
 }
 
 TEST(ReplayPageTest, ShowsWhereTheObjectWasToBePut) {

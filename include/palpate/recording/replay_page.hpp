@@ -12,8 +12,9 @@ namespace palpate::recording {
 /// A page that replays the recording in any browser: one file that loads nothing else.
 ///
 /// The hand is drawn from the recorded joints. Frames are thinned to at most 50 a second and 1500
-/// in all, meshes coarsened where they are fine. Without visuals the hand's spheres are drawn
-/// instead.
+/// in all, and as many beside in which another finger touches; meshes are coarsened where they are
+/// fine. Times count from the whole second before the first frame. Without visuals the hand's
+/// spheres are drawn instead.
 /// @param page    HTML with the marks {{title}}, {{recording}} and {{script}}, in that order
 /// @param script  the bundled viewer
 /// @param title   plain text
