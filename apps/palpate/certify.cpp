@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
@@ -99,7 +100,7 @@ int certify(const CertifyArguments& arguments) {
       print_next(arguments.common,
                  fmt::format("palpate register --correspondences {} finds the pose that most pairs "
                              "agree with",
-                             arguments.correspondences));
+                             quoted(arguments.correspondences)));
     }
   }
   return certified ? kDone : kNoSolution;

@@ -25,6 +25,8 @@ using nlohmann::json;
 
 constexpr std::size_t kHistogramBins = 20;
 constexpr int kResamples = 10000;
+constexpr const char* kHistogram = "histogram.svg";
+constexpr const char* kNormalPlot = "normal-plot.svg";
 constexpr double kMinWidth = 1;  // of a histogram, if all values are equal
 
 struct CompareArguments {
@@ -166,7 +168,7 @@ plotting::Plot histogram_plot(const TwoSamples& samples) {
   plotting::Plot plot;
   plot.title = "Returns";
   plot.x.label = "return";
-  plot.y.label = "share of episodes";
+  plot.y.label = fmt::format("share of {}s", samples.unit);
   const auto outline = [&](const char* name, const std::vector<double>& values) {
     const auto counts = histogram(values, low, high, kHistogramBins);
     plotting::LineSeries line{name, {}, {}};
@@ -247,7 +249,7 @@ int compare(const CompareArguments& arguments, const CLI::App& command) {
   const auto& common = arguments.common;
   const auto options = resolve<RelocateOptions>(common);
   const Candidates candidates = load_candidates(arguments);
-  const auto output = claim_output(common, {"compare.json"});
+  const auto output = claim_output(common, {"compare.json", kHistogram, kNormalPlot});
   std::optional<Notice> notice(std::in_place, "running episodes", common.quiet);
   const TwoSamples samples = gather(arguments, options, candidates);
   notice.reset();
@@ -258,17 +260,18 @@ int compare(const CompareArguments& arguments, const CLI::App& command) {
   if (!common.out.empty()) {
     const std::filesystem::path folder = common.out;
     write_file_atomically(folder / "compare.json", json_text(report));
-    write_file_atomically(folder / "histogram.svg", plotting::to_svg(histogram_plot(samples)));
-    write_file_atomically(folder / "normal-plot.svg", plotting::to_svg(normal_plots(samples)));
+    write_file_atomically(folder / kHistogram, plotting::to_svg(histogram_plot(samples)));
+    write_file_atomically(folder / kNormalPlot, plotting::to_svg(normal_plots(samples)));
   }
   if (common.json) {
     print_json(report);
   } else {
     print_table(comparison, samples, report);
   }
-  print_next(common, common.out.empty()
-                         ? given_command(command) + " --out out/compare draws the histograms"
-                         : fmt::format("open {}/histogram.svg in a browser", common.out));
+  print_next(common,
+             common.out.empty()
+                 ? given_command(command) + " --out out/compare draws the histograms"
+                 : fmt::format("open {} in a browser", quoted(common.out + "/" + kHistogram)));
   return kDone;
 }
 

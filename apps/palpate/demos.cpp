@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -66,6 +67,10 @@ int make(const MakeArguments& arguments) {
     fmt::print(stderr, "palpate: none of {} sequences succeeded on the robot\n", set.tried);
     return kNoSolution;
   }
+  if (set.kept.size() < arguments.count) {
+    fmt::print(stderr, "palpate: only {} of {} demonstrations: of {} sequences no more succeeded\n",
+               set.kept.size(), arguments.count, set.tried);
+  }
   const std::filesystem::path folder = common.out;
   auto dataset = relocate::dataset_of(set.kept, kDatasetId, common.seed);
   relocate::EpisodeOptions episode = options.demonstration.episode;
@@ -76,18 +81,22 @@ int make(const MakeArguments& arguments) {
   std::vector<relocate::Episode> episodes;
   for (const auto& d : set.kept) episodes.push_back(d.episode);
   const auto summary = relocate::summarize(episodes);
-  const json report = {{"kept", set.kept.size()},
-                       {"tried", set.tried},
-                       {"return", {{"mean", summary.mean}, {"sd", summary.sd}}},
-                       {"success_2cm", summary.success_2cm},
-                       {"seconds", seconds}};
+  const json report = {
+      {"kept", set.kept.size()},
+      {"tried", set.tried},
+      {"return",
+       {{"mean", summary.mean}, {"sd", episodes.size() > 1 ? json(summary.sd) : json(nullptr)}}},
+      {"success_2cm", summary.success_2cm},
+      {"seconds", seconds}};
   if (common.json) {
     print_json(report);
   } else {
-    fmt::print("{} of {} sequences succeeded; return {:.0f} +- {:.0f}; {:.0f} s\nwrote {}\n",
-               set.kept.size(), set.tried, summary.mean, summary.sd, seconds, folder.string());
+    fmt::print("{} of {} sequences succeeded; return {:.0f} +- {}; {:.0f} s\nwrote {}\n",
+               set.kept.size(), set.tried, summary.mean,
+               episodes.size() > 1 ? fmt::format("{:.0f}", summary.sd) : "-", seconds,
+               folder.string());
     print_next(common, fmt::format("palpate train relocate --method dapg --demos {} --out out/dapg",
-                                   folder.string()));
+                                   quoted(folder.string())));
   }
   return kDone;
 }
@@ -176,7 +185,12 @@ void add_make(CLI::App& demos, Command& chosen) {
   auto arguments = std::make_shared<MakeArguments>();
   auto& command = *demos.add_subcommand(
       "make", "Generate demonstrations by a synthetic human hand that the robot can repeat");
-  command.add_option("--count", arguments->count, "demonstrations to keep")
+  command
+      .add_option(
+          "--count", arguments->count,
+          fmt::format("demonstrations to keep; at most {} sequences are tried for each, and "
+                      "fewer are kept if too few succeed",
+                      kTries))
       ->check(in_range(1, 100000))
       ->capture_default_str();
   add_common_options(command, arguments->common);

@@ -9,6 +9,7 @@
 #include "common.hpp"
 #include "eval_faults.hpp"
 #include "eval_report.hpp"
+#include "given_command.hpp"
 #include "hand_option.hpp"
 #include "live_view.hpp"
 #include "manifest.hpp"
@@ -213,10 +214,10 @@ struct EvalOutput {
 std::string next_of(const EvalArguments& arguments) {
   if (!arguments.shard_text.empty()) {
     return fmt::format("palpate merge {} ... with the folders of the other shards",
-                       arguments.common.out);
+                       quoted(arguments.common.out));
   }
   return fmt::format("palpate pick --object {} --seed {} repeats the first trial, and draws it",
-                     arguments.objects.front(), arguments.common.seed);
+                     quoted(arguments.objects.front()), arguments.common.seed);
 }
 
 /// A target is that of an object which is known.
@@ -256,6 +257,7 @@ int eval(EvalArguments arguments) {
     throw BadInput(fmt::format("{}: there is no evaluation to go on with", records.string()));
   }
   arguments.objects = geometry::expand_object_names(arguments.objects);
+  require_distinct(arguments.objects);  // its trials would count twice
   require_mesh_file(arguments.objects, arguments.known.units);
   check_candidates(arguments);
   auto options = resolve_trial(arguments.common, arguments.hand, arguments.arm);

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "earlier_results.hpp"
+#include "object_option.hpp"
 #include "palpate/core/cache.hpp"
 #include "palpate/core/durable_file.hpp"
 #include "palpate/core/file.hpp"
@@ -111,10 +112,10 @@ int eval_faults(const evaluation::TrialOptions& options, const CommonOptions& co
                 const std::vector<std::string>& objects, std::size_t trials,
                 const std::vector<std::string>& faults, bool resume) {
   const auto campaign = campaign_of(faults);
+  const auto names = geometry::expand_object_names(objects);
+  require_distinct(names);  // its trials would count twice
   std::vector<geometry::ObjectModel> models;
-  for (const auto& name : geometry::expand_object_names(objects)) {
-    models.emplace_back(geometry::load_known_object(name));
-  }
+  for (const auto& name : names) models.emplace_back(geometry::load_known_object(name));
   const auto output =
       resume ? std::make_unique<OutputFolder>(common.out, std::vector<std::string>(), false)
              : claim_output(common, {"faults.json"});

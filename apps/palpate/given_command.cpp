@@ -17,16 +17,6 @@ bool is_left_out(const CLI::Option& option) {
   return option.count() == 0 || std::ranges::find(kNames, option.get_name()) != kNames.end();
 }
 
-/// As a shell reads it as one word.
-std::string quoted(const std::string& word) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
-  if (!word.empty() && word.find_first_not_of(kPlain) == word.npos) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 std::string words(const CLI::Option& option) {
   const std::string name = " " + option.get_name();
   if (option.get_expected_max() == 0) return name;  // a flag
@@ -41,6 +31,15 @@ std::string words(const CLI::Option& option) {
 }
 
 }  // namespace
+
+std::string quoted(const std::string& word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == word.npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
 
 std::string given_command(const CLI::App& command) {
   std::string positional, named;

@@ -6,6 +6,9 @@
 
 namespace palpate::app {
 
+/// The word as a shell reads it: in quotes where it needs them.
+std::string quoted(const std::string& word);
+
 /// The command as it was given, to be copied: "palpate localize box contacts.csv --table 0".
 /// Without
 /// --json, --quiet, --out and --force, which a next command has its own of.

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "hand_option.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
@@ -151,7 +152,7 @@ int check(const CheckArguments& arguments) {
     if (!arguments.render.empty())
       fmt::print("\nThe postures are drawn in {}.\n", arguments.render);
     if (loaded.problems.empty()) {
-      print_next(arguments.common, "palpate pick --object box --hand " + arguments.hand);
+      print_next(arguments.common, "palpate pick --object box --hand " + quoted(arguments.hand));
     }
   }
   return kDone;
@@ -166,7 +167,7 @@ int render(const CheckArguments& arguments) {
     print_json(nlohmann::json{{"pictures", paths}});
   } else {
     for (const fs::path& file : files) fmt::print("{}\n", file.string());
-    print_next(arguments.common, "palpate hand check " + arguments.hand);
+    print_next(arguments.common, "palpate hand check " + quoted(arguments.hand));
   }
   return kDone;
 }

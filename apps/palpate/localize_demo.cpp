@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "given_command.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/parallel.hpp"
@@ -251,8 +252,8 @@ int demonstrate_localize(const CommonOptions& common) {
         "wrote {1}: success.svg, ablation.svg, calibration.svg, contacts.csv (20 of the {0}), "
         "truth.txt (where it is)\n",
         kInFile, folder.string());
-    print_next(common,
-               fmt::format("palpate localize {} {}/contacts.csv", kInFile, folder.string()));
+    print_next(common, fmt::format("palpate localize {} {}", kInFile,
+                                   quoted((folder / "contacts.csv").string())));
   }
   return kDone;
 }

@@ -3,6 +3,7 @@
 
 #include "common.hpp"
 #include "eval_report.hpp"
+#include "given_command.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "terminal.hpp"
@@ -91,7 +92,7 @@ int merge(const MergeArguments& arguments) {
   write_file_atomically(folder->path() / "eval.json", json_text(summary));
   print_next(common, fmt::format("palpate pick --object {} --seed {} repeats the first trial, and "
                                  "draws it",
-                                 plan.objects.front(), plan.seed));
+                                 quoted(plan.objects.front()), plan.seed));
   return kDone;
 }
 

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <set>
+#include <string_view>
 
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
@@ -84,10 +86,9 @@ const geometry::ObjectModel* CandidateObjects::find(const std::string& name) con
 }
 
 void require_distinct(const std::vector<std::string>& names) {
+  std::set<std::string_view> seen;
   for (const auto& name : names) {
-    if (std::count(names.begin(), names.end(), name) > 1) {
-      throw BadInput(fmt::format("{} is given twice", name));
-    }
+    if (!seen.insert(name).second) throw BadInput(fmt::format("{} is given twice", name));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common.hpp"
+#include "given_command.hpp"
 #include "hand_option.hpp"
 #include "interrupt.hpp"
 #include "live_view.hpp"
@@ -154,9 +155,8 @@ int pick(const PickArguments& arguments) {
   } else {
     fmt::print("{}\n{}wrote {}: recording.h5, config.toml, report.json, replay.html\n",
                outcome_text(trial, objects.names), place_text(trial), folder.string());
-    print_next(common, fmt::format("open {0}/replay.html in a browser, or palpate view "
-                                   "{0}/recording.h5",
-                                   folder.string()));
+    print_next(common, fmt::format("open {}/replay.html in a browser, or palpate view {}",
+                                   folder.string(), quoted((folder / "recording.h5").string())));
   }
   if (trial.result.fault) return kStopped;
   return report["status"] == "ok" ? kDone : kNoSolution;

@@ -86,9 +86,23 @@ void add_task_option(CLI::App& command) {
 
 bool is_policy(const std::string& name) { return !name.ends_with(".csv"); }
 
+namespace {
+
+/// sd and ci95 are null of one episode.
+nlohmann::json return_json(const relocate::RolloutSummary& s) {
+  nlohmann::json spread = {{"mean", s.mean}, {"sd", nullptr}, {"ci95", nullptr}};
+  if (s.ci95) {
+    spread["sd"] = s.sd;
+    spread["ci95"] = {s.ci95->low, s.ci95->high};
+  }
+  return spread;
+}
+
+}  // namespace
+
 nlohmann::json summary_json(const relocate::RolloutSummary& s) {
   return {{"episodes", s.episodes},
-          {"return", {{"mean", s.mean}, {"sd", s.sd}, {"ci95", {s.ci95.low, s.ci95.high}}}},
+          {"return", return_json(s)},
           {"success_10cm", s.success_10cm},
           {"success_5cm", s.success_5cm},
           {"success_2cm", s.success_2cm},

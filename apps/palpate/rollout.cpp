@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common.hpp"
@@ -45,6 +47,8 @@ class Runner {
  public:
   Runner(const RolloutArguments& arguments, const RolloutOptions& options)
       : arguments_(arguments), options_(options) {
+    if (arguments.touch) relocate::check_by_touch(options.episode);
+    static_cast<void>(relocate::episode_start(options.episode, arguments.common.seed, 0));
     if (arguments.touch) {
       relocation_.emplace(options.task, options.touch);
     } else {
@@ -123,10 +127,19 @@ void write_results(const RolloutArguments& arguments, const RolloutOptions& opti
   write_file_atomically(folder / "config.toml", config_text(arguments, options));
 }
 
+/// One episode has no spread: "-".
+void print_return(const relocate::RolloutSummary& s) {
+  if (!s.ci95) {
+    fmt::print("return      {:.0f} +- -, mean within - (95 %)\n", s.mean);
+    return;
+  }
+  fmt::print("return      {:.0f} +- {:.0f}, mean within [{:.0f}, {:.0f}] (95 %)\n", s.mean, s.sd,
+             s.ci95->low, s.ci95->high);
+}
+
 void print_table(const relocate::RolloutSummary& s, double steps_per_second,
                  const std::vector<std::string>& observed) {
-  fmt::print("return      {:.0f} +- {:.0f}, mean within [{:.0f}, {:.0f}] (95 %)\n", s.mean, s.sd,
-             s.ci95.low, s.ci95.high);
+  print_return(s);
   fmt::print(
       "final       {:.3f} within 10 cm, {:.3f} within 5 cm, {:.3f} within 2 cm; median "
       "{:.1f} mm\n",
@@ -174,13 +187,39 @@ std::vector<std::string> observes(const relocate::Policy& policy, bool by_touch)
 void print_next_of(const RolloutArguments& arguments, const CLI::App& command) {
   const CommonOptions& common = arguments.common;
   if (arguments.record > 0) {
-    print_next(common, fmt::format("palpate view {}/episode-0.h5", common.out));
+    print_next(common, "palpate view " + quoted(common.out + "/episode-0.h5"));
   } else if (!common.out.empty()) {
-    print_next(common, fmt::format("palpate compare {}/episodes.csv relocate-best", common.out));
+    print_next(common, fmt::format("palpate compare {} relocate-best",
+                                   quoted(common.out + "/episodes.csv")));
   } else {
     print_next(common, given_command(command) +
                            " --record 1 --out out/rollout records an episode for palpate view");
   }
+}
+
+/// Whether it is the name of a recording: episode-N.h5.
+bool is_recording(std::string_view name) {
+  constexpr std::string_view kStart = "episode-", kEnd = ".h5";
+  if (!name.starts_with(kStart) || !name.ends_with(kEnd)) return false;
+  name.remove_prefix(kStart.size());
+  name.remove_suffix(std::min(kEnd.size(), name.size()));
+  return !name.empty() && name.find_first_not_of("0123456789") == name.npos;
+}
+
+/// What a rollout writes; with --force also the recordings of an earlier one, which go with it.
+std::vector<std::string> result_names(const RolloutArguments& arguments) {
+  const auto& common = arguments.common;
+  std::vector<std::string> names = {"rollout.json", "episodes.csv", "config.toml"};
+  for (std::size_t i = 0; i < std::min(arguments.record, arguments.episodes); ++i) {
+    names.push_back(fmt::format("episode-{}.h5", i));
+  }
+  if (!common.force) return names;
+  std::error_code none;  // a folder that is not there yet has no entries
+  for (const auto& entry : std::filesystem::directory_iterator(common.out, none)) {
+    const std::string name = entry.path().filename().string();
+    if (is_recording(name)) names.push_back(name);
+  }
+  return names;
 }
 
 int rollout(const RolloutArguments& arguments, const CLI::App& command) {
@@ -191,7 +230,7 @@ int rollout(const RolloutArguments& arguments, const CLI::App& command) {
   const auto options = resolve<RolloutOptions>(common);
   const auto policy = find_policy(arguments.policy);
   const Runner runner(arguments, options);  // what cannot be run is said before a folder is made
-  const auto output = claim_output(common, {"rollout.json", "episodes.csv", "config.toml"});
+  const auto output = claim_output(common, result_names(arguments));
 
   const auto start = std::chrono::steady_clock::now();
   const auto [episodes, by_touch] = runner.run(*policy);

@@ -196,7 +196,7 @@ void report_streams(const SenseArguments& arguments, const CLI::App& command,
         arguments.common,
         wrote.empty()
             ? given_command(command) + " --out out/sense writes contacts.csv for palpate localize"
-            : fmt::format("palpate localize MESH {}/contacts.csv", arguments.common.out));
+            : "palpate localize MESH " + quoted(arguments.common.out + "/contacts.csv"));
   }
 }
 

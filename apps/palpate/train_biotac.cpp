@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "given_command.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/progress.hpp"
@@ -119,7 +120,7 @@ int train_biotac_normal(const BiotacNormalArguments& arguments) {
   } else {
     fmt::print("{} samples of {} logs; {}\nwrote {}\n", samples, logs.size(), text,
                arguments.common.out);
-    print_next(arguments.common, "palpate sense LOG --model " + arguments.common.out);
+    print_next(arguments.common, "palpate sense LOG --model " + quoted(arguments.common.out));
   }
   return kDone;
 }
@@ -353,7 +354,7 @@ int train_biotac_inverse(const SimulatedArguments& arguments) {
   result["samples"] = touches.learn.size();
   notice.reset();
   report(arguments.common, result);
-  print_next(arguments.common, "palpate sense RECORDING --model " + arguments.common.out);
+  print_next(arguments.common, "palpate sense RECORDING --model " + quoted(arguments.common.out));
   return kDone;
 }
 

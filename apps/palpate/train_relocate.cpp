@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "given_command.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/tasks/relocate/minari_io.hpp"
@@ -15,31 +16,14 @@
 #include "palpate/tasks/relocate/training/trainer.hpp"
 #include "relocate_arguments.hpp"
 #include "terminal.hpp"
-#include "train_curves.hpp"
 #include "train_demonstrations.hpp"
+#include "train_folder.hpp"
 #include "train_rounds.hpp"
 
 namespace palpate::app {
 namespace {
 
-using learning::Checkpoint;
 using nlohmann::json;
-
-struct TrainArguments {
-  CommonOptions common;
-  std::string method = "cem";
-  std::string from, expert, demos;
-  std::optional<int> iterations;              // none: kIterations
-  std::optional<std::size_t> demonstrations;  // none: kDemonstrations
-  std::size_t episodes = 30;
-  bool ask = false, tell = false;  // by files, for other machines
-  std::string score;               // the share that this one runs of what was asked for
-
-  [[nodiscard]] bool by_rounds() const { return ask || tell || !score.empty(); }
-};
-
-constexpr int kIterations = 40;
-constexpr std::size_t kDemonstrations = 25;
 
 struct TrainOptions {
   relocate::TaskOptions task;
@@ -87,11 +71,21 @@ relocate::MlpPolicy starting_network(const Training& training,
   return *network;
 }
 
+/// The first iteration raises standard deviations below the least one.
+void say_raised(const TrainArguments& arguments, const relocate::NpgOptions& options,
+                const relocate::MlpPolicy& network) {
+  const auto low = (network.log_std().array() < options.min_log_std).count();
+  if (low == 0 || arguments.method == "bc" || arguments.common.quiet) return;
+  fmt::print(stderr, "log_std of {} of {} actions is raised to npg.min_log_std = {}\n", low,
+             network.log_std().size(), options.min_log_std);
+}
+
 void make_gradient_trainer(const TrainArguments& arguments, const TrainOptions& options,
                            const relocate::TrainingContext& context, Training& training) {
   const Notice notice("demonstrations, and cloning them", arguments.common.quiet);
   auto demos = demonstrations(arguments, options, context, training.expert.get());
   const auto network = starting_network(training, demos, options, context.seed);
+  say_raised(arguments, options.npg, network);
   training.trainer = relocate::make_npg_trainer(context, options.npg, network, std::move(demos));
 }
 
@@ -164,63 +158,11 @@ std::string settings_of(const TrainArguments& arguments, const TrainOptions& opt
                      arguments.demonstrations.value_or(kDemonstrations), to_toml(options));
 }
 
-bool resume(const std::filesystem::path& path, const TrainArguments& arguments,
-            const std::string& settings, relocate::Trainer& trainer, Curves& curves) {
-  if (!std::filesystem::exists(path)) return false;
-  const Checkpoint checkpoint = learning::load_checkpoint(path);
-  if (checkpoint.settings != settings || checkpoint.seed != arguments.common.seed) {
-    throw BadInput(
-        fmt::format("{} is of a training with other settings: use another --out", path.string()));
-  }
-  trainer.restore(checkpoint);
-  curves.restore(checkpoint.array("curves"));
-  return true;
-}
-
-void keep(const std::filesystem::path& folder, const TrainArguments& arguments,
-          const std::string& settings, const relocate::Trainer& trainer, const Curves& curves) {
-  Checkpoint checkpoint;
-  checkpoint.method = arguments.method;
-  checkpoint.seed = arguments.common.seed;
-  checkpoint.iteration = trainer.iteration();
-  checkpoint.settings = settings;
-  checkpoint.arrays["curves"] = curves.values();
-  trainer.save(checkpoint);
-  learning::save_checkpoint(folder / "checkpoint", checkpoint);
-}
-
-/// The command that makes the training again, but for --threads, --out and the evaluation.
-std::string command_of(const TrainArguments& arguments) {
-  const auto& common = arguments.common;
-  std::string command = fmt::format("palpate train relocate --method {}", arguments.method);
-  const auto add = [&](const char* option, const std::string& value) {
-    if (!value.empty()) command += fmt::format(" {} {}", option, value);
-  };
-  add("--config", common.config);
-  add("--from", arguments.from);
-  add("--expert", arguments.expert);
-  add("--demos", arguments.demos);
-  if (arguments.demonstrations)
-    add("--demonstrations", fmt::format("{}", *arguments.demonstrations));
-  if (arguments.iterations) add("--iterations", fmt::format("{}", *arguments.iterations));
-  add("--seed", fmt::format("{}", common.seed));
-  for (const auto& assignment : common.set) add("--set", assignment);
-  return command;
-}
-
-void write_policy(const std::filesystem::path& folder, const TrainArguments& arguments,
-                  const relocate::Trainer& trainer) {
-  auto record = trainer.policy();
-  record.notes = {{"command", command_of(arguments)},
-                  {"seed", fmt::format("{}", arguments.common.seed)},
-                  {"iterations", fmt::format("{}", trainer.iteration())}};
-  relocate::save_policy(folder / "policy.json", record);
-}
-
-void log_iteration(const CommonOptions& common, int iteration, const relocate::Metrics& metrics,
-                   double seconds) {
+/// The iteration that has ended, counted from 0 as in curves.csv.
+void log_iteration(const CommonOptions& common, const relocate::Trainer& trainer,
+                   const relocate::Metrics& metrics, double seconds) {
   if (common.quiet) return;
-  std::string text = fmt::format("iteration {:>4}  {:>6.0f} s", iteration, seconds);
+  std::string text = fmt::format("iteration {:>4}  {:>6.0f} s", trainer.iteration() - 1, seconds);
   for (const auto& [name, value] : metrics) text += fmt::format("  {} {:.4g}", name, value);
   fmt::print(stderr, "{}\n", text);
 }
@@ -238,21 +180,10 @@ relocate::RolloutSummary evaluate(const TrainArguments& arguments, const TrainOp
                                                arguments.common.threads));
 }
 
-/// Keeps what an iteration has brought; what an interrupted one has not written, the next run does.
-void keep_iteration(const std::filesystem::path& folder, const TrainArguments& arguments,
-                    const std::string& settings, const relocate::Trainer& trainer,
-                    const Curves& curves) {
-  write_policy(folder, arguments, trainer);
-  curves.write();
-  keep(folder, arguments, settings, trainer, curves);
-}
-
 /// The share of the rollouts that was asked for; the folder is another's.
-int score_share(const TrainArguments& arguments, const std::string& settings,
-                const Training& training) {
-  const RoundFiles files(arguments.common.out);
-  Curves curves(files.folder);
-  if (!resume(files.folder / "checkpoint", arguments, settings, *training.trainer, curves))
+int score_share(const TrainArguments& arguments, const Training& training, TrainingFolder& kept) {
+  const RoundFiles files(kept.path());
+  if (!kept.resume(*training.trainer))
     throw BadInput(fmt::format("{} has no checkpoint: begin with --ask", files.folder.string()));
   const auto rollouts = run_share(files, arguments.score, *training.search);
   print_round(arguments.common, files, training.trainer->iteration(), rollouts);
@@ -260,24 +191,32 @@ int score_share(const TrainArguments& arguments, const std::string& settings,
 }
 
 /// Takes the scores and asks for the next. @return whether the search has ended
-bool tell_and_ask(const TrainArguments& arguments, const std::string& settings, int planned,
-                  const Training& training, Curves& curves) {
-  const RoundFiles files(arguments.common.out);
+bool tell_and_ask(const TrainArguments& arguments, int planned, const Training& training,
+                  TrainingFolder& kept) {
+  const RoundFiles files(kept.path());
   if (arguments.tell) {
     if (const auto metrics = take_results(files, *training.search)) {
-      curves.add(*metrics);
-      keep_iteration(files.folder, arguments, settings, *training.trainer, curves);
-      log_iteration(arguments.common, training.trainer->iteration(), *metrics, 0);
+      kept.keep_iteration(*training.trainer, *metrics);
+      log_iteration(arguments.common, *training.trainer, *metrics, 0);
     }
   }
   const bool ended = training.trainer->iteration() >= planned;
   if (!ended) training.search->ask();  // what is kept has its preparations
-  keep(files.folder, arguments, settings, *training.trainer, curves);
+  kept.keep_checkpoint(*training.trainer);
   if (arguments.tell) remove_rounds(files);
   if (ended) return true;
   const auto rollouts = write_requests(files, *training.search);
   print_round(arguments.common, files, training.trainer->iteration(), rollouts);
   return false;
+}
+
+void print_result(const CommonOptions& common, const relocate::RolloutSummary& summary,
+                  const std::string& policy) {
+  fmt::print(
+      "return {:.0f} +- {:.0f}; {:.3f} within 5 cm, {:.3f} within 2 cm of {} episodes, "
+      "faithful model\nwrote {}\n",
+      summary.mean, summary.sd, summary.success_5cm, summary.success_2cm, summary.episodes, policy);
+  print_next(common, "palpate rollout " + quoted(policy));
 }
 
 int train(const TrainArguments& arguments) {
@@ -286,56 +225,40 @@ int train(const TrainArguments& arguments) {
   check_use(arguments);
   const auto options = resolve<TrainOptions>(common);
   if (arguments.tell || !arguments.score.empty()) check_asked(RoundFiles(common.out));
-  // Without --force a training goes on, if its settings are the same. A share has no result.
-  const auto output =
-      !arguments.score.empty()
-          ? nullptr
-          : claim_output(common,
-                         common.force
-                             ? std::vector<std::string>{"checkpoint", "policy.json", "report.json",
-                                                        "curves.csv", "config.toml"}
-                             : std::vector<std::string>{});
-  const std::filesystem::path folder = common.out;
+  const auto output = claim_training(arguments);
   const relocate::TrainingContext context{
       relocate::make_model(options.task), common.seed, common.threads,
       relocate::randomized_worlds(options.task, options.cem.randomization)};
   const Training training = make_training(arguments, options, context);
-  const std::string settings = settings_of(arguments, options);
-  if (!arguments.score.empty()) return score_share(arguments, settings, training);
-  Curves curves(folder);
-  resume(folder / "checkpoint", arguments, settings, *training.trainer, curves);
+  TrainingFolder kept(arguments, settings_of(arguments, options));
+  if (!arguments.score.empty()) return score_share(arguments, training, kept);
+  if (!kept.resume(*training.trainer)) kept.keep_checkpoint(*training.trainer);
+  const std::filesystem::path& folder = kept.path();
   write_file_atomically(folder / "config.toml", config_header(common) + to_toml(options));
 
   const auto start = std::chrono::steady_clock::now();
   const int planned = planned_iterations(arguments, options);
-  if (arguments.by_rounds() && !tell_and_ask(arguments, settings, planned, training, curves)) {
+  if (arguments.by_rounds() && !tell_and_ask(arguments, planned, training, kept)) {
     return kDone;
   }
   while (training.trainer->iteration() < planned) {
     const auto metrics = training.trainer->iterate();
-    curves.add(metrics);
-    keep_iteration(folder, arguments, settings, *training.trainer, curves);
-    log_iteration(common, training.trainer->iteration(), metrics,
+    kept.keep_iteration(*training.trainer, metrics);
+    log_iteration(common, *training.trainer, metrics,
                   std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
-  write_policy(folder, arguments, *training.trainer);
+  kept.write_policy(*training.trainer);
   const auto summary = evaluate(arguments, options, *relocate::load_policy(folder / "policy.json"));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   json report = summary_json(summary);
   report["iterations"] = training.trainer->iteration();
   report["seconds"] = seconds;
-  report["steps_per_second"] = nullptr;
   write_file_atomically(folder / "report.json", json_text(report));
   if (common.json) {
     print_json(report);
   } else {
-    fmt::print(
-        "return {:.0f} +- {:.0f}; {:.3f} within 5 cm, {:.3f} within 2 cm of {} episodes, "
-        "faithful model\nwrote {}\n",
-        summary.mean, summary.sd, summary.success_5cm, summary.success_2cm, summary.episodes,
-        (folder / "policy.json").string());
-    print_next(common, fmt::format("palpate rollout {}", (folder / "policy.json").string()));
+    print_result(common, summary, (folder / "policy.json").string());
   }
   return kDone;
 }
@@ -385,7 +308,7 @@ void add_train_relocate(CLI::App& train_command, Command& chosen) {
   add_task_option(command);
   add_common_options(command, arguments->common);
   command.footer(
-      "DIR has a checkpoint of every iteration, the current policy, and learning curves. The same\n"
+      "DIR has the last iteration's checkpoint, the current policy, and learning curves. The same\n"
       "command continues an interrupted run. The result is evaluated on the faithful model.\n"
       "Machines may share the rollouts of cem: --ask once, then --score I/N on each and --tell,\n"
       "until no ask.jsonl is left (examples/cluster/cem.sh); the result is that of one machine.\n\n"

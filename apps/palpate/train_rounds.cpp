@@ -81,21 +81,23 @@ RolloutShare parse_share(const std::string& text) {
   return share;
 }
 
-bool has_scores(const fs::path& path) {
-  const std::string name = path.filename().string();
+bool is_scores(const std::string& name) {
   return name.starts_with("scores-") && name.ends_with(".jsonl");
 }
 
-std::vector<fs::path> score_files(const RoundFiles& files) {
-  std::vector<fs::path> paths;
-  for (const auto& entry : fs::directory_iterator(files.folder)) {
-    if (has_scores(entry.path())) paths.push_back(entry.path());
-  }
-  std::ranges::sort(paths);
-  return paths;
-}
-
 }  // namespace
+
+std::vector<std::string> score_names(const RoundFiles& files) {
+  std::vector<std::string> names;
+  std::error_code error;
+  if (!fs::is_directory(files.folder, error)) return names;
+  for (const auto& entry : fs::directory_iterator(files.folder)) {
+    const std::string name = entry.path().filename().string();
+    if (is_scores(name)) names.push_back(name);
+  }
+  std::ranges::sort(names);
+  return names;
+}
 
 void check_asked(const RoundFiles& files) {
   if (fs::exists(files.ask())) return;
@@ -148,8 +150,8 @@ std::size_t run_share(const RoundFiles& files, const std::string& share_text,
 std::optional<relocate::Metrics> take_results(const RoundFiles& files,
                                               relocate::SearchTrainer& trainer) {
   std::map<Key, std::vector<Episode>> rolled_out;
-  for (const fs::path& path : score_files(files)) {
-    for_each_line(path, [&](const json& line) {
+  for (const auto& name : score_names(files)) {
+    for_each_line(files.folder / name, [&](const json& line) {
       auto& episodes =
           rolled_out[{line.at("generation").get<int>(), line.at("candidate").get<std::size_t>(),
                       line.at("first_episode").get<int>()}];
@@ -182,7 +184,7 @@ void print_round(const CommonOptions& common, const RoundFiles& files, int gener
 
 void remove_rounds(const RoundFiles& files) {
   fs::remove(files.ask());
-  for (const fs::path& path : score_files(files)) fs::remove(path);
+  for (const auto& name : score_names(files)) fs::remove(files.folder / name);
 }
 
 }  // namespace palpate::app

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common.hpp"
 #include "palpate/tasks/relocate/training/trainer.hpp"
@@ -18,6 +19,9 @@ struct RoundFiles {
 
   std::filesystem::path folder;
 };
+
+/// Names of the scores that are there.
+std::vector<std::string> score_names(const RoundFiles& files);
 
 /// @throws BadInput unless something has been asked for
 void check_asked(const RoundFiles& files);

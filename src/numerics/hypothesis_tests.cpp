@@ -23,6 +23,7 @@ constexpr double kLevel = 0.05;
 constexpr int kResamples = 10000;
 constexpr std::size_t kExact = 50;  // values, up to which the distribution of ranks is counted out
 constexpr std::size_t kShapiroWilk = 3, kMinForNormality = 10;  // values
+constexpr std::size_t kMaxForNormality = 5000;                  // up to which its p is known
 
 double size(const std::vector<double>& values) { return static_cast<double>(values.size()); }
 
@@ -131,8 +132,8 @@ void test_means(const std::vector<double>& a, const std::vector<double>& b,
   if (is_constant(a) || is_constant(b)) return;
   comparison.bartlett = bartlett({a, b});
   if (std::min(a.size(), b.size()) < kShapiroWilk) return;
-  comparison.normality_a = shapiro_wilk(a);
-  comparison.normality_b = shapiro_wilk(b);
+  if (a.size() <= kMaxForNormality) comparison.normality_a = shapiro_wilk(a);
+  if (b.size() <= kMaxForNormality) comparison.normality_b = shapiro_wilk(b);
 }
 
 /// Least p that two samples of these sizes without ties can have.
@@ -156,6 +157,12 @@ std::string only_ranks(const std::vector<double>& a, const std::vector<double>& 
     if (!is_constant(*values)) continue;
     return fmt::format("all values of {} are {:g}, so it is not normal and has no variance", name,
                        values->front());
+  }
+  if (std::max(a.size(), b.size()) > kMaxForNormality) {
+    return fmt::format(
+        "{} and {} values are too many to test whether they are normal (Shapiro-Wilk: at most {} "
+        "each)",
+        a.size(), b.size(), kMaxForNormality);
   }
   if (std::min(a.size(), b.size()) >= kMinForNormality) return {};
   return fmt::format(

@@ -69,6 +69,22 @@ class DemosTest(cli.CliTest):
         np.testing.assert_allclose(rewards, episode.rewards, atol=1e-9)
         np.testing.assert_allclose(observation, episode.observations[-1], atol=1e-9)
 
+    def test_fewer_than_asked_for_are_reported(self):
+        short = 0
+        for seed in map(str, range(1, 9)):
+            done = self.run_program("demos", "make", "--count", "2", "--out", "d", "--force", "--json",
+                                    "--quiet", "--seed", seed, "--set", "task.solver=fast")  # fmt: skip
+            if done.returncode == cli.NO_SOLUTION:
+                continue
+            report = json.loads(done.stdout)
+            self.assertLessEqual(report["tried"], 8)
+            said = f"only {report['kept']} of 2 demonstrations: of {report['tried']} sequences"
+            self.assertEqual(said in done.stderr, report["kept"] < 2, done.stderr)
+            short += report["kept"] < 2
+            if short:
+                break
+        self.assertGreater(short, 0)
+
     def test_nothing_that_succeeds(self):
         done = self.make(
             "--set", "demonstration.human.grip_radius=0.06",

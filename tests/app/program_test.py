@@ -99,6 +99,12 @@ class Usage(CliTest):
         self.assert_refused(BAD_INPUT, ["eval", "--object", "box", "--candidates", "mug,box", "--place", "random",
                                         "--out", "new"], "--candidates mug,box cannot be combined with --place random")
 
+    def test_an_object_that_is_given_twice_is_refused(self):
+        for objects, named in (("box,box", "box"), ("generated:1-3,generated:2", "generated:2")):
+            for more in ([], ["--faults", "load_nan"]):
+                self.assert_refused(BAD_INPUT, ["eval", "--object", objects, "--out", "new", *more],
+                                    named + " is given twice")
+
     def test_help_is_at_most_100_columns_wide_and_names_defaults(self):
         for command in self.commands():
             for line in self.run_program(command, "--help").stdout.splitlines():

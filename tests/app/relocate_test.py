@@ -3,6 +3,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import time
@@ -103,13 +104,88 @@ class RelocateTest(cli.CliTest):
         process = subprocess.Popen(
             command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
-        while not (self.folder / "part" / "checkpoint").exists() and process.poll() is None:
-            time.sleep(0.005)
+        while not list(self.folder.glob("part/*")) and process.poll() is None:  # its first file
+            time.sleep(0.001)
         process.send_signal(signal.SIGKILL)
         process.wait()
         self.assertEqual(self.train("part", 5).returncode, cli.DONE)
         policies = [(self.folder / name / "policy.json").read_text() for name in ("whole", "part")]
         self.assertEqual(*policies)
+
+    def test_a_training_overwrites_nothing_of_others(self):
+        gradient = ["--set", "npg.trajectories=2", "--set", "npg.evaluation=1", "--set", "npg.episode.horizon=5"]
+        dagger = ["--set", "dagger.rounds=1", "--set", "dagger.episodes=1", "--set", "dagger.samples=10",
+                  "--set", "dagger.episode.horizon=5"]  # fmt: skip
+        for method, more in (("cem", ["--iterations", "1"]), ("npg", ["--iterations", "1", *gradient]),
+                             ("dagger", dagger)):  # fmt: skip
+            command = ["train", "relocate", "--method", method, "--quiet", *TINY, *more]
+            self.assertEqual(self.run_program(*command, "--out", method).returncode, cli.DONE, method)
+            results = {path.name for path in (self.folder / method).iterdir()} - {"checkpoint"}
+            self.assertLessEqual({"policy.json", "curves.csv", "report.json", "config.toml"}, results)
+            for name in sorted(results | {"ask.jsonl", "scores-1-of-2.jsonl"}):
+                (self.folder / "other").mkdir()
+                self.write(f"other/{name}", "mine")
+                self.assert_refused(cli.BAD_INPUT, [*command, "--out", "other"], name, "--force")
+                shutil.rmtree(self.folder / "other")
+            self.assertEqual(self.run_program(*command, "--out", method).returncode, cli.DONE)  # goes on
+        (self.folder / "npg" / "checkpoint").unlink()
+        again = [*command[:3], "npg", "--from", "npg/policy.json", "--out", "npg"]
+        self.assert_refused(cli.BAD_INPUT, again, "npg/policy.json is there already")
+        self.assert_refused(cli.BAD_INPUT, [*again, "--force"], "would remove npg/policy.json")
+
+    def test_force_starts_over_without_the_scores_of_the_search_before(self):
+        self.train("a", 1, "--ask")
+        self.train("a", 1, "--score", "1/1")
+        self.assertEqual(self.train("a", 1, "--ask", "--force").returncode, cli.DONE)
+        self.assertEqual(list((self.folder / "a").glob("scores-*")), [])
+
+    def test_a_policy_says_what_was_done(self):
+        self.assertEqual(self.train("a b", 2).returncode, cli.DONE)
+        (self.folder / "a b" / "report.json").unlink()
+        self.assertEqual(self.train("a b", 1).returncode, cli.DONE)  # has done more
+        notes = json.loads((self.folder / "a b" / "policy.json").read_text())["notes"]
+        self.assertEqual(notes["iterations"], "2")
+        self.assertIn("--iterations 2 ", notes["command"])
+        self.assertNotIn("steps_per_second", json.loads((self.folder / "a b" / "report.json").read_text()))
+        arguments = ["train", "relocate", *TINY, "--iterations", "1", "--from", "a b/policy.json"]
+        done = self.run_program(*arguments, "--out", "c d")
+        self.assertIn("Next: palpate rollout 'c d/policy.json'\n", done.stdout)
+        self.assertRegex(done.stderr, r"(^|\n)iteration +0 ")
+        self.assertEqual((self.folder / "c d" / "curves.csv").read_text().splitlines()[1].split(",")[0], "0")
+        command = json.loads((self.folder / "c d" / "policy.json").read_text())["notes"]["command"]
+        self.assertIn(" --from 'a b/policy.json' ", command)
+
+    def test_a_spread_that_is_raised_is_said(self):
+        command = ["train", "relocate", "--method", "npg", "--iterations", "1", "--episodes", "2", "--set",
+                   "npg.trajectories=2", "--set", "npg.evaluation=1", "--set", "npg.episode.horizon=5"]
+        self.assertNotIn("raised", self.run_program(*command, "--out", "a").stderr)
+        raised = self.run_program(*command, "--out", "b", "--set", "bc.log_std=-4").stderr
+        self.assertIn("log_std of 30 of 30 actions is raised to npg.min_log_std = -3", raised)
+
+    def test_a_rollout_overwrites_nothing_of_others(self):
+        few = ["rollout", "--set", "episode.horizon=5", "--set", "task.solver=fast", "--out", "r"]
+        self.run_program(*few, "--episodes", "3", "--record", "3")
+        for name in ("rollout.json", "episodes.csv", "config.toml"):
+            (self.folder / "r" / name).unlink()
+        one = [*few, "--episodes", "1", "--record", "1"]
+        self.assert_refused(cli.BAD_INPUT, one, "r/episode-0.h5 is there already")
+        self.write("r/episode-mine.h5", "mine")
+        self.assertEqual(self.run_program(*one, "--force").returncode, cli.DONE)
+        recordings = sorted(path.name for path in (self.folder / "r").glob("*.h5"))
+        self.assertEqual(recordings, ["episode-0.h5", "episode-mine.h5"])
+
+    def test_one_episode_has_no_spread(self):
+        one = ["rollout", "--episodes", "1", "--set", "episode.horizon=5", "--set", "task.solver=fast"]
+        report = self.run_json(*one)["return"]
+        self.assertEqual((report["sd"], report["ci95"]), (None, None))
+        self.assertRegex(self.run_program(*one).stdout, r"return +-?\d+ \+- -, mean within - \(95 %\)")
+
+    def test_errors_of_observation_without_effect_are_refused(self):
+        self.assert_refused(cli.BAD_INPUT, ["rollout", "--set", "episode.observation_period=0.004", "--out", "r"],
+                            "observation_period = 0.004 s")
+        for key in ("object_bias", "observation_period"):
+            self.assert_refused(cli.BAD_INPUT, ["rollout", "--touch", "--set", f"episode.{key}=0.01", "--out", "r"],
+                                f"episode.{key} = 0.01 is of no use")
 
     def write_returns(self, name, values):
         rows = "".join(f"{value},0.01,30,0\n" for value in values)
@@ -119,7 +195,14 @@ class RelocateTest(cli.CliTest):
         for k in range(3):
             self.write_returns(f"a{k}.csv", [10 + k, 20 + k, 30 + k])
             self.write_returns(f"b{k}.csv", [50 + k, 70 + k])
-        report = self.run_json("compare", "a0.csv,a1.csv,a2.csv", "b0.csv,b1.csv,b2.csv")
+        several = ["compare", "a0.csv,a1.csv,a2.csv", "b0.csv,b1.csv,b2.csv"]
+        report = self.run_json(*several, "--out", "c")
+        self.assertIn("share of trainings", (self.folder / "c" / "histogram.svg").read_text())
+        for name in ("compare.json", "histogram.svg", "normal-plot.svg"):
+            (self.folder / "d").mkdir(exist_ok=True)
+            self.write(f"d/{name}", "mine")
+            self.assert_refused(cli.BAD_INPUT, [*several, "--out", "d"], name, "--force")
+            (self.folder / "d" / name).unlink()
         self.assertEqual(report["unit"], "training")
         self.assertEqual(report["mean"], {"a": 21, "b": 61})
         self.assertEqual(report["interquartile_mean"]["a"]["value"], 21)

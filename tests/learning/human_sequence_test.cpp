@@ -92,7 +92,7 @@ TEST(HumanSequence, RejectsBadFiles) {
   EXPECT_NE(message("a,b\n").find("hand.csv:1"), std::string::npos);
   EXPECT_NE(message(header + "\n").find("no frame"), std::string::npos);
   EXPECT_NE(message(header + "\n" + row + ",1\n").find("hand.csv:2: 65 values"), std::string::npos);
-  EXPECT_NE(message(header + "\n" + row + "\n" + row.substr(0, row.size() - 3) + "abc\n")
+  EXPECT_NE(message(header + "\n" + row + "\n1" + row.substr(1, row.size() - 4) + "abc\n")
                 .find("hand.csv:3: 'abc'"),
             std::string::npos);
   const auto poses = folder.path() / "pose.csv";
@@ -101,6 +101,24 @@ TEST(HumanSequence, RejectsBadFiles) {
                         "0,1,0,0,0,0,1,0,0,0,0,2,0\n");
   EXPECT_NE(error_message([&] { read_poses(poses); }).find("pose.csv:2: not a rotation"),
             std::string::npos);
+}
+
+TEST(HumanSequence, FramesFollowOneAnother) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "pose.csv";
+  const auto message = [&](const std::vector<std::string>& frames) {
+    std::string text = "frame,T00,T01,T02,T03,T10,T11,T12,T13,T20,T21,T22,T23\n";
+    for (const auto& frame : frames) text += frame + ",1,0,0,0,0,1,0,0,0,0,1,0\n";
+    write_file_atomically(path, text);
+    return error_message([&] { read_poses(path); });
+  };
+  EXPECT_EQ(message({"7", "8", "9"}), "");
+  EXPECT_NE(message({"2", "1", "0"}).find("pose.csv:3: frame 1 follows frame 2"),
+            std::string::npos);
+  EXPECT_NE(message({"0", "1", "5"}).find("pose.csv:4: frame 5 follows frame 1"),
+            std::string::npos);
+  EXPECT_NE(message({"3", "3"}).find("frame 3 follows frame 3"), std::string::npos);
+  EXPECT_NE(message({"0.5"}).find("no whole number"), std::string::npos);
 }
 
 TEST(HumanSequence, RejectsSequencesWithoutWhatItNeeds) {

@@ -143,6 +143,18 @@ TEST(HypothesisTests, OfThreeValuesOnlyRanksAreBelieved) {
   EXPECT_FALSE(compare_samples({1, 2}, {4, 6}, palpate::RandomStream(1)).normality_a);
 }
 
+TEST(HypothesisTests, OfMoreThan5000ValuesNormalityIsLeftOut) {
+  std::vector<double> many;
+  for (int i = 0; i < 5001; ++i) many.push_back(i % 13);
+  const auto result = compare_samples(many, kA, palpate::RandomStream(1));
+  EXPECT_FALSE(result.normality_a);
+  EXPECT_TRUE(result.normality_b && result.welch && result.bartlett);
+  EXPECT_EQ(result.valid_test, "mann_whitney");
+  EXPECT_NE(result.reason.find("5001 and"), std::string::npos) << result.reason;
+  many.pop_back();
+  EXPECT_TRUE(compare_samples(many, kA, palpate::RandomStream(1)).normality_a);
+}
+
 TEST(HypothesisTests, ConstantSamplesAreExplained) {
   const palpate::RandomStream random(1);
   const auto one = compare_samples(kA, std::vector<double>(12, 3.0), random);

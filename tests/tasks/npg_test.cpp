@@ -86,6 +86,28 @@ TEST(Npg, AStepThatNoHalvingBringsWithinTheBoundIsNotTaken) {
   EXPECT_LE(divergence, options.divergence);
 }
 
+/// The step would raise it anyhow, by a divergence that no halving removes.
+TEST(Npg, AStartOfTooSmallSpreadIsRaisedBeforeTheStep) {
+  const auto model = make_model(fast_task());
+  NpgOptions options;
+  options.trajectories = 12;
+  options.episode.horizon = 15;
+  auto start = small_network(1);
+  Eigen::VectorXd log_std = Eigen::VectorXd::Constant(kRelocateJoints, -1);
+  log_std[3] = -4;
+  start.set_log_std(log_std);
+  NpgState state, raised;
+  state.policy = start.record();
+  log_std[3] = options.min_log_std;
+  start.set_log_std(log_std);
+  raised.policy = start.record();
+  const auto result = npg_iteration(state, model, options, {}, 3, 1);
+  EXPECT_GT(result.divergence, 0);
+  EXPECT_LE(result.divergence, options.divergence);
+  npg_iteration(raised, model, options, {}, 3, 1);
+  EXPECT_EQ(state.policy.arrays, raised.policy.arrays);
+}
+
 /// Noise of 1e308 overflows in some of the actions: these episodes end flagged. The likelihoods
 /// overflow, too, so that no gradient is a number.
 TEST(Npg, DivergingEpisodesAreLeftOutAndTheTrainingGoesOn) {

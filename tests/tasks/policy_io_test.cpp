@@ -116,6 +116,16 @@ TEST_F(PolicyIo, AnyTruncationIsAnError) {
   }
 }
 
+TEST_F(PolicyIo, NamesTheLayerOfThePublishedFormatThatDoesNotFit) {
+  const std::string first = R"("W0":[[1,2,3],[4,5,6]],"b0":[1,2])";
+  EXPECT_NE(error_of("{" + first + R"(,"W1":[[1,2,3]],"b1":[1]})").find("'W1' is 1 x 3, behind"),
+            std::string::npos);
+  EXPECT_NE(error_of("{" + first + R"(,"W1":[[1,2]],"b1":[1,2]})").find("'W1' is 1 x 2, with 2"),
+            std::string::npos);
+  EXPECT_NE(error_of(R"({"W0":[[1,2,3]],"b0":[]})").find("'W0' is 1 x 3, with 0 biases"),
+            std::string::npos);
+}
+
 TEST_F(PolicyIo, ReadsThePublishedFormat) {
   for (const auto& file : made_up_and_real("policy.json", "relocate_mug_published_policy.json")) {
     EXPECT_EQ(read_policy(file).sizes, (std::vector<int>{39, 32, 32, 30})) << file;

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "palpate/core/error.hpp"
+#include "palpate/geometry/mesh/mass_properties.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
 #include "tasks/relocate/relocate_model.hpp"
 
@@ -139,6 +141,41 @@ TEST(RelocateTask, TakesAnyMesh) {
   task.reset({{-0.05, 0.1}, {0, 0, 0.2}});
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(task.step(rest()).diverged);
   EXPECT_NEAR(task.positions()[32], 0.04 + kMargin, 5e-4);
+}
+
+/// The inertia that the simulator has, in the axes of the object's frame.
+Eigen::Matrix3d simulated_inertia(const RelocateModel& owner) {
+  const auto& scene = owner.impl().scene;
+  const mjtNum* const q = scene.model->body_iquat + 4 * scene.object;
+  const Eigen::Matrix3d R = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+  const Eigen::Vector3d moments =
+      Eigen::Vector3d::Map(scene.model->body_inertia + 3 * scene.object);
+  return R * moments.asDiagonal() * R.transpose();
+}
+
+TEST(RelocateTask, AMeshHasItsProductsOfInertia) {
+  const Eigen::Isometry3d T(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()));
+  const auto tilted = geometry::transformed(T, geometry::box_mesh({0.05, 0.04, 0.08}));
+  const Eigen::Matrix3d inertia = geometry::mass_properties(tilted, 0.2).inertia;
+  ASSERT_GT(std::abs(inertia(0, 2)), 0.05 * inertia(0, 0));
+  for (const double size : {1.0, 0.9}) {
+    const RelocateModel model(scaled(relocate_mesh_object("brick", tilted, 0.2), size));
+    EXPECT_LT((simulated_inertia(model) - size * size * inertia).norm(), 1e-9 * inertia.norm());
+  }
+}
+
+/// Bit for bit what it was before products of inertia were read.
+TEST(RelocateTask, InertiaWithoutProductsStaysAsItIs) {
+  const auto box = relocate_mesh_object("brick", geometry::box_mesh({0.05, 0.04, 0.08}), 0.2);
+  for (const RelocateObject& object : {box, relocate_primitive_mug()}) {
+    const RelocateModel owner(object);
+    const auto& scene = owner.impl().scene;
+    const Eigen::Vector4d q = Eigen::Vector4d::Map(scene.model->body_iquat + 4 * scene.object);
+    EXPECT_EQ(q, Eigen::Vector4d(1, 0, 0, 0)) << object.name;
+    const Eigen::Vector3d moments =
+        Eigen::Vector3d::Map(scene.model->body_inertia + 3 * scene.object);
+    EXPECT_EQ(moments, object.inertia.diagonal()) << object.name;
+  }
 }
 
 TEST(RelocateTask, ABiasIsInWhatIsObservedAndNotInTheWorld) {

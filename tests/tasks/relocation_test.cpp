@@ -60,6 +60,18 @@ TEST(Relocation, FingertipsSenseTheSurfaceOfWhatTheyHold) {
   EXPECT_GT(contacts, 8);
 }
 
+TEST(Relocation, ErrorsOfAnObservedPositionAreRefused) {
+  RelocationOptions options;
+  options.explore = false;
+  const Relocation relocation(box_task(), options);
+  EpisodeOptions biased, late;
+  biased.object_bias = 0.01;
+  late.observation_period = 0.1;
+  for (const EpisodeOptions& episode : {biased, late}) {
+    EXPECT_THROW(relocation.run(*box_policy(), episode, 71, 0), BadInput);
+  }
+}
+
 TEST(Relocation, TrackingInTheGraspMakesUpForARoughPlace) {
   RelocationOptions options;
   options.explore = false;

@@ -131,6 +131,19 @@ TEST(Rollout, SummaryCountsSuccesses) {
   EXPECT_THROW(summarize({}), BadInput);
 }
 
+TEST(Rollout, OneEpisodeHasNoInterval) {
+  EXPECT_FALSE(summarize(std::vector<Episode>(1)).ci95);
+  EXPECT_TRUE(summarize(std::vector<Episode>(2)).ci95);
+}
+
+TEST(Rollout, AnObservationPeriodOfNoStepIsRefused) {
+  EpisodeOptions options;
+  options.observation_period = 0.004;
+  EXPECT_THROW(episode_start(options, 5, 3), BadInput);
+  options.observation_period = 0.006;
+  EXPECT_EQ(episode_start(options, 5, 3).observation_period, 1);
+}
+
 TEST(Rollout, KnowsItsObjects) {
   for (const char* object : {"mug", "box", "bottle"}) {
     TaskOptions options = fast_task();

@@ -34,15 +34,18 @@ using MakeTrainer = std::function<std::unique_ptr<Trainer>()>;
 void expect_resumable(const MakeTrainer& make, int iterations) {
   const auto whole = make();
   for (int i = 0; i < iterations; ++i) whole->iterate();
-  learning::Checkpoint kept;
+  const auto keep = [](const Trainer& trainer) {
+    learning::Checkpoint checkpoint;
+    checkpoint.iteration = trainer.iteration();
+    trainer.save(checkpoint);
+    learning::save_checkpoint(checkpoint_path(), checkpoint);
+  };
+  keep(*make());
   for (int i = 0; i < iterations; ++i) {
     const auto part = make();
-    if (i > 0) part->restore(learning::load_checkpoint(checkpoint_path()));
+    part->restore(learning::load_checkpoint(checkpoint_path()));
     part->iterate();
-    learning::Checkpoint checkpoint;
-    checkpoint.iteration = part->iteration();
-    part->save(checkpoint);
-    learning::save_checkpoint(checkpoint_path(), checkpoint);
+    keep(*part);
   }
   const auto last = make();
   last->restore(learning::load_checkpoint(checkpoint_path()));

@@ -58,7 +58,8 @@ struct NormalPlot {
 NormalPlot normal_plot(std::vector<double> values);
 
 /// Everything about the difference of two samples, and which test may be believed. What does not
-/// exist for samples of fewer than 3 values, or of equal ones, is missing.
+/// exist for samples of fewer than 3 values, or of equal ones, is missing, and so is the normality
+/// of more than 5000.
 struct Comparison {
   std::optional<TestResult> normality_a, normality_b, bartlett, anova, welch;
   TestResult mann_whitney;
@@ -71,7 +72,8 @@ struct Comparison {
 
 /// Compares two samples. The valid test follows from the assumptions, tested at 5 %: analysis of
 /// variance needs normality and equal variances, Welch's test only normality, that of Mann and
-/// Whitney neither. Of fewer than 10 values normality cannot be tested, so that leaves the last.
+/// Whitney neither. Of fewer than 10 values, or more than 5000, normality cannot be tested, so that
+/// leaves the last.
 Comparison compare_samples(const std::vector<double>& a, const std::vector<double>& b,
                            palpate::RandomStream random);
 

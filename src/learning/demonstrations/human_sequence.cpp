@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/csv_table.hpp"
 #include "palpate/core/error.hpp"
@@ -37,6 +38,22 @@ std::string pose_header() {
   return header;
 }
 
+/// Number of the row's frame. @throws BadInput unless it is that after the last one: with frames
+/// left out a motion would be too fast
+double next_frame(const CsvTable& table, std::optional<double> last) {
+  const double frame = table.finite(0);
+  if (frame != std::floor(frame)) {
+    throw BadInput(fmt::format("{}: frame {} is no whole number", table.where(), frame));
+  }
+  if (last && frame != *last + 1) {
+    throw BadInput(fmt::format(
+        "{}: frame {} follows frame {}; each follows the one before, a frame in which nothing was "
+        "seen as a row of empty cells",
+        table.where(), frame, *last));
+  }
+  return frame;
+}
+
 /// Rows of numbers below a known header, without the frame's number.
 /// @param may_miss  whether an empty cell or "nan" is allowed, and becomes NaN
 std::vector<std::vector<double>> read_table(const std::filesystem::path& path,
@@ -52,7 +69,9 @@ std::vector<std::vector<double>> read_table(const std::filesystem::path& path,
     return missing ? kNan : table.finite(i);
   };
   std::vector<std::vector<double>> rows;
+  std::optional<double> frame;
   while (table.next()) {
+    frame = next_frame(table, frame);
     rows.emplace_back();
     for (std::size_t i = 1; i < table.names().size(); ++i) rows.back().push_back(number(i));
   }

@@ -61,7 +61,7 @@ RelocateObject bare_mug(const std::string& name) {
   object.mass = kMugMass;
   object.center << kAxis.x(), kAxis.y(), (kHigh + kLow) / 2;
   const double across = kMugMass * (3 * kRadius * kRadius + std::pow(kHigh - kLow, 2)) / 12;
-  object.inertia << across, across, kMugMass * kRadius * kRadius / 2;
+  object.inertia.diagonal() << across, across, kMugMass * kRadius * kRadius / 2;
   object.start_height = kMugStartHeight;
   object.start_rotation = Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ());
   return object;
@@ -116,7 +116,7 @@ RelocateObject relocate_mesh_object(const std::string& name, const geometry::Tri
   object.name = name;
   object.hulls = simulation::convex_parts(centered);
   object.mass = mass;
-  object.inertia = properties.inertia.diagonal();
+  object.inertia = properties.inertia;
   object.start_height = -geometry::bounds(centered).min().z();
   return object;
 }

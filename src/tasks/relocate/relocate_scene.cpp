@@ -107,11 +107,24 @@ void add_hull(mjSpec& spec, mjsBody& body, const std::string& name,
   Eigen::Vector3d::Map(mesh->scale).setOnes();
 }
 
+/// Whether the products of inertia are but rounding, as of a mesh of single precision.
+bool is_diagonal(const Eigen::Matrix3d& inertia) {
+  constexpr double kRounding = 1e-6;
+  const Eigen::Matrix3d diagonal = inertia.diagonal().asDiagonal();
+  return (inertia - diagonal).cwiseAbs().maxCoeff() <= kRounding * inertia.diagonal().maxCoeff();
+}
+
 void set_inertia(mjsBody& body, const RelocateObject& object, double scale) {
   body.explicitinertial = 1;
   body.mass = scale * object.mass;
   Eigen::Vector3d::Map(body.ipos) = object.center;
-  Eigen::Vector3d::Map(body.inertia) = scale * object.inertia;
+  const Eigen::Matrix3d I = scale * object.inertia;
+  if (is_diagonal(I)) {
+    Eigen::Vector3d::Map(body.inertia) = I.diagonal();
+    return;
+  }
+  const std::array<double, 6> full = {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)};
+  std::copy(full.begin(), full.end(), body.fullinertia);
 }
 
 void add_object(mjSpec& spec, const RelocateObject& object, double mass_scale) {

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/parallel.hpp"
@@ -59,6 +60,16 @@ PolicyInput with_place(PolicyInput input, const Eigen::Vector3d& place,
 }
 
 }  // namespace
+
+void check_by_touch(const EpisodeOptions& episode) {
+  for (const auto& [name, value] : {std::pair{"object_bias", episode.object_bias},
+                                    {"observation_period", episode.observation_period}}) {
+    if (value == 0) continue;
+    throw BadInput(
+        fmt::format("episode.{} = {} is of no use by touch: the policy gets the estimated position",
+                    name, value));
+  }
+}
 
 Relocation::Relocation(const TaskOptions& task, const RelocationOptions& options)
     : options_(options),
@@ -140,6 +151,7 @@ std::pair<localization::Posterior, bool> Relocation::resting(const RelocateStart
 TouchEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode,
                              std::uint64_t seed, std::size_t index,
                              recording::Recording* recording) const {
+  check_by_touch(episode);
   const auto start = episode_start(episode, seed, index);
   const RandomStream random = RandomStream(seed, "relocation").fork("episode", index);
   TouchEpisode result;

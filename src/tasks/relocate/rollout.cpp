@@ -50,6 +50,17 @@ PolicyInput input_of(const RelocateTask& task) {
   return {task.observation(), task.proprioception()};
 }
 
+/// Control steps; 0 for the true position at all times. @throws BadInput where rounding makes it 0
+int observation_steps(double period) {
+  const auto steps = static_cast<int>(std::lround(period / kControlStep));
+  if (period > 0 && steps == 0) {
+    throw BadInput(
+        fmt::format("observation_period = {} s is less than half a step of {} s, and would be none",
+                    period, kControlStep));
+  }
+  return steps;
+}
+
 double share(const std::vector<Episode>& episodes, const std::function<bool(const Episode&)>& is) {
   const auto count = std::count_if(episodes.begin(), episodes.end(), is);
   return static_cast<double>(count) / static_cast<double>(episodes.size());
@@ -72,8 +83,7 @@ RelocateStart episode_start(const EpisodeOptions& options, std::uint64_t seed, s
   RelocateStart start = sample_relocate_start(random, scale);
   RandomStream sensors = random.fork("sensors");
   start.object_bias = options.object_bias * sensors.normal3().normalized();
-  start.observation_period =
-      static_cast<int>(std::lround(options.observation_period / kControlStep));
+  start.observation_period = observation_steps(options.observation_period);
   start.encoder_noise = options.encoder_noise;
   start.encoder_seed = sensors.bits();
   return start;
@@ -143,7 +153,6 @@ RolloutSummary summarize(const std::vector<Episode>& episodes) {
   summary.episodes = episodes.size();
   summary.mean = mean(totals);
   summary.sd = totals.size() > 1 ? standard_deviation(totals) : 0;
-  summary.ci95 = {summary.mean, summary.mean};
   if (totals.size() > 1) summary.ci95 = mean_interval(totals);
   const auto within = [&](double limit) {
     return share(episodes, [limit](const Episode& e) { return e.distance < limit; });

@@ -26,7 +26,7 @@ RelocateObject box() {
       {RelocatePrimitive::Shape::box, kCarton, Eigen::Isometry3d::Identity()});
   object.mass = kMass;
   const Eigen::Array3d squares = kCarton.array().square();
-  object.inertia = kMass / 3 * (squares.sum() - squares);
+  object.inertia.diagonal() = kMass / 3 * (squares.sum() - squares);
   object.start_height = kCarton.z();
   return object;
 }
@@ -46,7 +46,7 @@ RelocateObject bottle() {
   object.mass = kMass;
   const double r2 = kBodyRadius * kBodyRadius;
   const double across = kMass * (r2 / 4 + kBodyHalf * kBodyHalf / 3);
-  object.inertia << across, across, kMass * r2 / 2;
+  object.inertia.diagonal() << across, across, kMass * r2 / 2;
   object.start_height = kBodyHalf;
   return object;
 }

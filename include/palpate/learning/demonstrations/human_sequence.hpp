@@ -15,12 +15,14 @@ struct HumanSequence {
   double rate = 30;                              ///< frames per second
 };
 
-/// Reads keypoints from CSV: a header `frame,j0_x,j0_y,j0_z,...,j20_z`, then a row a frame, m. An
-/// empty cell or `nan` is a joint that was not seen.
+/// Reads keypoints from CSV: a header `frame,j0_x,j0_y,j0_z,...,j20_z`, then a row a frame, m.
+/// Frames are whole numbers, each one more than the last. An empty cell or `nan` is a joint that
+/// was not seen; so is every joint of a frame in which nothing was seen.
 /// @throws BadInput, naming file and line, for anything else; or if there is no frame
 std::vector<learning::HandKeypoints> read_keypoints(const std::filesystem::path& path);
 
-/// Reads poses from CSV: a header `frame,T00,T01,...,T23`, the upper rows of a pose row-major.
+/// Reads poses from CSV: a header `frame,T00,T01,...,T23`, the upper rows of a pose row-major;
+/// frames as those of keypoints.
 /// @throws BadInput, naming file and line, for anything else, a matrix that is no rotation among it
 std::vector<Eigen::Isometry3d> read_poses(const std::filesystem::path& path);
 

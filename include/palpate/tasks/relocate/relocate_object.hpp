@@ -28,7 +28,7 @@ struct RelocateObject {
   std::vector<geometry::TriangleMesh> hulls;          ///< convex parts, m
   double mass = 0;                                    ///< kg
   Eigen::Vector3d center = Eigen::Vector3d::Zero();   ///< of mass, m
-  Eigen::Vector3d inertia = Eigen::Vector3d::Zero();  ///< about it, along x y z, kg m^2
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about it, in the frame's axes, kg m^2
   double start_height = 0;                            ///< of the frame above the table, m
   Eigen::Quaterniond start_rotation = Eigen::Quaterniond::Identity();
 };

@@ -47,6 +47,9 @@ struct TouchEpisode {
   double estimate_seconds = 0;  ///< wall time of one, mean; 0 without any
 };
 
+/// @throws BadInput for errors of an observed position, where the policy gets the estimated one
+void check_by_touch(const EpisodeOptions& episode);
+
 /// The relocate task with a policy that gets the object's place as estimated by touch, never the
 /// true one: the transport phase of thesis chapter 7 behind the estimation of chapter 6.
 ///
@@ -58,6 +61,7 @@ class Relocation {
   Relocation(const TaskOptions& task, const RelocationOptions& options);
 
   /// Episode i starts as rollout starts it.
+  /// @throws BadInput as check_by_touch
   /// @param recording  filled if not null: what the Adroit hand senses, the estimates, first that
   ///        of the resting object, and the truth; without the configuration
   TouchEpisode run(const Policy& policy, const EpisodeOptions& episode, std::uint64_t seed,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -59,8 +60,8 @@ struct EpisodeOptions {
     v("object_bias", object_bias, 0.0, 0.1,
       "m, error of the observed object's position, constant within an episode");
     v("observation_period", observation_period, 0.0, 10.0,
-      "s, between two observations of the object in the grasp, and delay of each, as by touch; 0: "
-      "always the true position");
+      "s, between two observations of the object in the grasp, and delay of each, as by touch, "
+      "rounded to steps of 10 ms; 0: always the true position");
     v("encoder_noise", encoder_noise, 0.0, 0.1,
       "m, rad, noise of the encoders from which velocities are derived");
   }
@@ -85,14 +86,15 @@ struct Path {
   Eigen::MatrixXd positions;     ///< 37 x (steps + 1): joints, object's place and quaternion
 };
 
-/// Where episode i of a seed starts. @throws BadInput if scale_low > scale_high
+/// Where episode i of a seed starts. @throws BadInput if scale_low > scale_high, or for an
+/// observation_period that is neither 0 nor at least half a step
 RelocateStart episode_start(const EpisodeOptions& options, std::uint64_t seed, std::size_t index);
 
 /// One seed that stands for episode i of a seed, in data sets and environments: seed * 2^20 + i.
 /// @throws BadInput if it does not fit into 63 bits, or i into 20
 std::uint64_t episode_seed(std::uint64_t seed, std::size_t index);
 
-/// Where the episode of such a seed starts. @throws BadInput if scale_low > scale_high
+/// Where the episode of such a seed starts. @throws BadInput as the above
 RelocateStart episode_start(const EpisodeOptions& options, std::uint64_t episode_seed);
 
 /// What an agent does in step t, given what it meets; may explore.
@@ -110,8 +112,8 @@ std::vector<Episode> rollout(const RelocateModel& model, const Policy& policy,
 /// Figures of a set of episodes.
 struct RolloutSummary {
   std::size_t episodes = 0, diverged = 0;
-  double mean = 0, sd = 0;                                    ///< of the return
-  Interval ci95 = {0, 0};                                     ///< of the mean (Student)
+  double mean = 0, sd = 0;       ///< of the return; sd is 0 of one episode
+  std::optional<Interval> ci95;  ///< of the mean (Student); none of one episode
   double success_10cm = 0, success_5cm = 0, success_2cm = 0;  ///< shares by the final distance
   double success_steady = 0;   ///< share with more than 25 steps within 5 cm
   double median_distance = 0;  ///< final, m

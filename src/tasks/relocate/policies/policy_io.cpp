@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
@@ -102,6 +103,17 @@ void append_weights(const json& rows, const std::string& name, std::vector<doubl
   }
 }
 
+/// @param inputs  as many values as the layer gets; -1: any
+void check_layer(const json& rows, const std::string& weights, int inputs, std::size_t biases) {
+  const std::size_t outputs = rows.size(), columns = rows.front().size();
+  if (inputs >= 0 && std::cmp_not_equal(columns, inputs)) {
+    throw BadInput(fmt::format("'{}' is {} x {}, behind a layer of {} units", weights, outputs,
+                               columns, inputs));
+  }
+  if (biases == outputs) return;
+  throw BadInput(fmt::format("'{}' is {} x {}, with {} biases", weights, outputs, columns, biases));
+}
+
 PolicyRecord read_dexmv(const json& file) {
   constexpr std::array<std::array<const char*, 2>, 3> kLayers = {
       {{"W0", "b0"}, {"W1", "b1"}, {"W2", "b2"}}};
@@ -111,9 +123,10 @@ PolicyRecord read_dexmv(const json& file) {
   for (const auto& [weights, biases] : kLayers) {
     const json& rows = member(file, weights);
     append_weights(rows, weights, parameters);
+    const auto b = numbers(member(file, biases), biases);
+    check_layer(rows, weights, record.sizes.empty() ? -1 : record.sizes.back(), b.size());
     if (record.sizes.empty()) record.sizes.push_back(static_cast<int>(rows.front().size()));
     record.sizes.push_back(static_cast<int>(rows.size()));
-    const auto b = numbers(member(file, biases), biases);
     parameters.insert(parameters.end(), b.begin(), b.end());
   }
   record.arrays["input_shift"] = numbers(member(file, "in_shift"), "in_shift");

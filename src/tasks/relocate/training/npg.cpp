@@ -21,7 +21,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of the published implementation (Rajeswaran et al. 2018).
+// Of the published implementation (mjrl; Rajeswaran et al. 2018), but for kTimeUnit: mjrl divides
+// the step by 1000.
 constexpr double kAdvantageScale = 1e-2;
 constexpr double kLargestObservation = 10, kTimeUnit = 100;
 constexpr int kTimePowers = 4;
@@ -178,6 +179,13 @@ VectorXd augmented_gradient(const GaussianPolicy& policy, const Batch& batch,
   return sum / (n + d);
 }
 
+/// Raises standard deviations below the least one. A step from there would raise them, too, by more
+/// than its divergence allows however short it is.
+void raise_log_std(GaussianPolicy& policy, double min_log_std) {
+  if (policy.policy().log_std().minCoeff() >= min_log_std) return;
+  policy.set_parameters(policy.parameters(), min_log_std);
+}
+
 /// Moves the policy along the natural gradient as far as the divergence allows; not at all if no
 /// halving of the step meets it.
 void take_step(GaussianPolicy& policy, const Batch& batch, const VectorXd& gradient,
@@ -254,6 +262,7 @@ NpgIteration npg_iteration(NpgState& state, const RelocateModel& model, const Np
   check(demonstrations);
   NpgIteration result;
   GaussianPolicy policy(mlp_policy(state.policy));
+  raise_log_std(policy, options.min_log_std);
   const auto paths = explore(state, model, policy.policy(), options, seed, threads, result);
   const Batch batch = gather(state, policy.policy(), paths, options, result);
   const double weight = demo_weight(options, state.iteration, batch.advantages.maxCoeff());

@@ -24,7 +24,7 @@ struct NpgOptions {
   double backtrack = 0.5;    ///< factor by which it is shortened
   int conjugate_steps = 10;  ///< of conjugate gradients
   double damping = 1e-4;     ///< added to the Fisher information
-  double min_log_std = -3;   ///< of the actions
+  double min_log_std = -3;   ///< of the actions; a start below it is raised to it
   double demo_weight = 0.1;  ///< lambda 0 of the demonstrations
   double demo_decay = 0.99;  ///< lambda 1, a factor an iteration
   /// "published": the demonstrations' weight is lambda0 lambda1^k; "thesis": that times the largest
@@ -48,7 +48,7 @@ struct NpgOptions {
     v("conjugate_steps", conjugate_steps, 1, 1000, "number of conjugate gradient steps");
     v("damping", damping, 0.0, 10.0, "damping added to the Fisher information");
     v("min_log_std", min_log_std, -20.0, 2.0,
-      "least logarithm of the standard deviation of the actions");
+      "least logarithm of the standard deviation of the actions; a start below it is raised to it");
     v("demo_weight", demo_weight, 0.0, 100.0, "weight lambda_0 of the demonstrations");
     v("demo_decay", demo_decay, 0.0, 1.0, "factor lambda_1 on that weight per iteration");
     v("demo_form", demo_form,

@@ -11,7 +11,7 @@ struct PolicySearchOptions {
   learning::CemOptions cem;
   EpisodeOptions episode;
   int screening = 2;           ///< episodes of every candidate; the better half goes on
-  int episodes = 6;            ///< of each of those
+  int episodes = 6;            ///< of each of those, the screening included
   double worst = 0.2;          ///< weight of the worst episode in the score, against the mean
   double success_bonus = 500;  ///< a share of episodes that end within 2 cm is worth this return
 
@@ -21,7 +21,8 @@ struct PolicySearchOptions {
     v.section("episode", episode);
     v("screening", screening, 1, 10000,
       "number of episodes of every candidate; the better half is evaluated further");
-    v("episodes", episodes, 1, 10000, "number of further episodes of the better half");
+    v("episodes", episodes, 1, 10000,
+      "number of episodes of the better half, the screening included");
     v("worst", worst, 0.0, 1.0, "weight of the worst episode in the score");
     v("success_bonus", success_bonus, 0.0, 1e5,
       "bonus on the return for ending within 2 cm of the target");
