@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "palpate/core/angle.hpp"
+#include "palpate/core/memory.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/statistics.hpp"
 
@@ -174,7 +175,9 @@ void evaluate(const std::vector<EvaluatedObject>& objects, const TrialOptions& o
         const auto model = preparations[id.object].begin(objects[id.object]);
         const auto believed = candidates.empty() ? estimation::Candidates{model.get()} : candidates;
         const auto sink = hooks.sink ? hooks.sink(id) : nullptr;
-        return run_trial(*model, believed, options, first_seed + id.number, sink.get());
+        Trial trial = run_trial(*model, believed, options, first_seed + id.number, sink.get());
+        return_free_memory();
+        return trial;
       },
       [&](std::size_t i, const Trial& trial) { summarize(trials[i], trial); });
   while (summaries.next() < objects.size()) summaries.end_object();

@@ -16,7 +16,7 @@ import sys
 import tempfile
 import time
 
-RESULTS = {"trials.jsonl", "trials.csv", "eval.json", "config.toml"}
+RESULTS = {"trials.jsonl", "trials.csv", "eval.json", "config.toml", "manifest.json"}
 
 
 def resident_kb(pid):
