@@ -173,6 +173,9 @@ std::string outcome_text(const evaluation::Trial& trial, const std::vector<std::
   if (trial.result.attempts == 0 && !trial.result.phases.empty()) {
     return "refused: " + trial.result.phases.back().outcome;
   }
+  if (trial.result.failed_phase == evaluation::kUnstable) {
+    return "gave up: the simulation became unstable";
+  }
   if (!trial.result.held) return "gave up: " + trial.result.failed_phase + " failed";
   return objects_text(trial, names) + estimate_text(trial);
 }

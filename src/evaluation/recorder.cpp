@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <span>
+#include <stdexcept>
 
 #include "palpate/core/error.hpp"
 #include "palpate/evaluation/credible_poses.hpp"
@@ -34,6 +35,7 @@ std::vector<double> planned_path(const skills::PlaceResult& placed) {
 
 void Recorder::frame(const hand::HandReading& reading, const hand::HandCommand& command) {
   time_ = reading.time;
+  if (world_.diverged()) throw std::runtime_error("the simulation became unstable");
   if (!sink_) return;
   const simulation::Truth truth = world_.truth();
   sink_->frame({reading, command, recording::FrameTruth{truth.T_world_object, truth.joints}});

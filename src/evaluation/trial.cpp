@@ -35,7 +35,7 @@ double radius_of(const geometry::KnownObject& object) {
 Trial unstable(const simulation::Start& start) {
   Trial trial;
   trial.start = start;
-  trial.result.failed_phase = "simulation";
+  trial.result.failed_phase = kUnstable;
   return trial;
 }
 

@@ -81,6 +81,10 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"NoMeshOfAUrdf", "no_mesh.urdf",
                urdf("<box size=\"0.04 0.014 0.014\"/>", "<mesh filename=\"gone.stl\"/>"),
                "gone.stl"},
+        Broken{"Xacro", "macros.urdf",
+               urdf("<robot name=\"gripper\">",
+                    "<robot name=\"gripper\"><!-- ${none} --><xacro:include filename=\"a\"/>"),
+               "run xacro on it first"},
         Broken{"NanInertia", "nan.xml",
                mjcf("<geom type=\"capsule\" size=\"0.009\"",
                     "<inertial pos=\"0 0 0\" mass=\"nan\" diaginertia=\"1 1 1\"/><geom "
@@ -112,11 +116,12 @@ INSTANTIATE_TEST_SUITE_P(
                     "</worldbody><equality><joint joint1=\"index_2\" joint2=\"index_1\" "
                     "polycoef=\"0 0 0.6 0 0\"/></equality>"),
                "the equality of joint index_2 is no linear one"},
-        Broken{"TwoLeaders", "leaders.xml",
+        Broken{"EqualitiesInACircle", "circle.xml",
                mjcf("</worldbody>",
                     "</worldbody><equality><joint joint1=\"index_2\" joint2=\"index_1\"/>"
-                    "<joint joint1=\"index_2\" joint2=\"ring_1\"/></equality>"),
-               "joint index_2 follows two others"},
+                    "<joint joint1=\"ring_1\" joint2=\"index_2\"/>"
+                    "<joint joint1=\"index_1\" joint2=\"ring_1\"/></equality>"),
+               "is tied to others in a circle"},
         Broken{"Degrees", "degrees.xml", mjcf("range=\"0 1.4\"", "range=\"0 80\""),
                "joint index_2 has the limits 0 .. 80 rad; are these degrees?"},
         Broken{"NothingCollides", "ghost.xml", without_geoms(), "no finger found"},

@@ -10,6 +10,7 @@
 
 #include "palpate/geometry/query/mesh_query.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
+#include "simulation/hand/hand_spec.hpp"
 #include "simulation/scenes.hpp"
 
 namespace palpate::simulation {
@@ -30,7 +31,7 @@ double min_inertia(double pitch) {
   std::vector<double> full(static_cast<std::size_t>(model.nv * model.nv));
   mj_fullM(&model, data.get(), full.data());
   const Eigen::Map<Eigen::MatrixXd> inertia(full.data(), model.nv, model.nv);
-  const int first = model.jnt_dofadr[mj_name2id(&model, mjOBJ_JOINT, "base_x")];
+  const int first = model.jnt_dofadr[mj_name2id(&model, mjOBJ_JOINT, own_name("base_x").c_str())];
   const Eigen::MatrixXd base = inertia.block(first, first, 6, 6);
   return base.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff();
 }

@@ -12,6 +12,7 @@ class Recorder {
  public:
   Recorder(recording::Sink* sink, const simulation::World& world) : sink_(sink), world_(world) {}
 
+  /// @throws std::runtime_error if the simulation has become unstable
   void frame(const hand::HandReading& reading, const hand::HandCommand& command);
   void event(estimation::TouchEvent event);
   /// Notes the credible poses of the resting object, for the page.

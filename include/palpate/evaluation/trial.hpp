@@ -16,6 +16,9 @@
 
 namespace palpate::evaluation {
 
+/// What fails in a trial whose simulation becomes unstable, beside the names of phases.
+inline constexpr const char* kUnstable = "simulation";
+
 /// Where the hand's contacts come from.
 struct TouchOptions {
   std::string source = "solver";  ///< or "biotac"

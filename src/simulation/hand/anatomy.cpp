@@ -12,6 +12,8 @@
 namespace palpate::simulation {
 namespace {
 
+constexpr std::string_view kSeparators = "_-.";  // within names
+
 int joints_below(mjsBody& body) {
   int count = 0;
   for (mjsElement* e = mjs_firstChild(&body, mjOBJ_JOINT, 1); e; e = mjs_nextChild(&body, e, 1)) {
@@ -50,13 +52,15 @@ std::string find_root(mjSpec& spec, const HandNotes& notes) {
   return root;
 }
 
-void free_from_joints(mjSpec& spec, const std::string& root) {
-  mjsBody& body = find_body(spec, root);
-  while (mjsElement* joint = mjs_firstChild(&body, mjOBJ_JOINT, 0)) mjs_delete(&spec, joint);
-}
-
-Anatomy::Anatomy(const mjModel& model, const std::string& root, const HandNotes& notes)
-    : model_(model), root_(find_id(model, mjOBJ_BODY, root)) {
+Anatomy::Anatomy(const mjModel& model, const std::string& root, const HandNotes& notes,
+                 const std::vector<MimicJoint>& mimics)
+    : model_(model),
+      root_(find_id(model, mjOBJ_BODY, root)),
+      follows_(static_cast<std::size_t>(model.njnt)) {
+  for (const MimicJoint& mimic : mimics) {
+    const int joint = mj_name2id(&model, mjOBJ_JOINT, mimic.joint.c_str());
+    if (joint >= 0) follows_[static_cast<std::size_t>(joint)] = true;
+  }
   children_.resize(static_cast<std::size_t>(model.nbody));
   for (int body = root_ + 1; body < model.nbody; ++body) {
     if (is_below(body))
@@ -69,6 +73,15 @@ Anatomy::Anatomy(const mjModel& model, const std::string& root, const HandNotes&
 int Anatomy::joints_in(int body) const {
   int count = model_.body_jntnum[body];
   for (const int child : children(body)) count += joints_in(child);
+  return count;
+}
+
+int Anatomy::driven_joints_in(int body) const {
+  int count = 0;
+  for (int i = 0; i < model_.body_jntnum[body]; ++i) {
+    count += !follows_[static_cast<std::size_t>(model_.body_jntadr[body] + i)];
+  }
+  for (const int child : children(body)) count += driven_joints_in(child);
   return count;
 }
 
@@ -105,14 +118,32 @@ std::vector<int> Anatomy::longest_chain(int body) const {
   return best;
 }
 
+/// Children that lead to a finger of its own: with a drive and something that can collide.
+std::vector<int> Anatomy::limbs(int body) const {
+  std::vector<int> result;
+  for (const int child : children(body)) {
+    if (driven_joints_in(child) > 0 && !longest_chain(child).empty()) result.push_back(child);
+  }
+  return result;
+}
+
+/// Adds the finger that begins at a body; where it branches into several, as behind a part of the
+/// palm that moves, those in its place.
+void Anatomy::add_fingers(int body) {
+  std::vector<int> branches = limbs(body);
+  while (branches.size() == 1) branches = limbs(branches.front());
+  for (const int branch : branches) add_fingers(branch);
+  if (!branches.empty()) return;
+  Chain chain;
+  chain.bodies = longest_chain(body);
+  if (chain.bodies.empty()) return;
+  chain.tip = chain.bodies.back();
+  fingers_.push_back(chain);
+}
+
 void Anatomy::find_fingers(const HandNotes& notes) {
   for (const int child : children(palm_)) {
-    if (joints_in(child) == 0) continue;
-    Chain chain;
-    chain.bodies = longest_chain(child);
-    if (chain.bodies.empty()) continue;
-    chain.tip = chain.bodies.back();
-    fingers_.push_back(chain);
+    if (joints_in(child) > 0) add_fingers(child);
   }
   choose_tips(notes);
   const auto names = listed(notes.fingers);
@@ -125,40 +156,99 @@ void Anatomy::find_fingers(const HandNotes& notes) {
   }
 }
 
+/// The bodies from the palm to a fingertip that the user names.
+Chain Anatomy::chain_to(const std::string& name) const {
+  Chain chain;
+  chain.tip = find_id(model_, mjOBJ_BODY, name);
+  if (!is_below(chain.tip)) {
+    throw BadInput(fmt::format("the fingertip {} is not below the hand's root {}", name,
+                               model_name(model_, mjOBJ_BODY, root_)));
+  }
+  int joints = 0;
+  for (int body = chain.tip; body > 0 && body != palm_; body = model_.body_parentid[body]) {
+    chain.bodies.insert(chain.bodies.begin(), body);
+    if (body != root_) joints += model_.body_jntnum[body];
+  }
+  if (joints == 0) {
+    throw BadInput(fmt::format("tips: no joint moves {}; name the last body of each finger", name));
+  }
+  return chain;
+}
+
 void Anatomy::choose_tips(const HandNotes& notes) {
   if (notes.tips.empty()) return;
   std::vector<Chain> chosen;
   for (const std::string& name : listed(notes.tips)) {
-    Chain chain;
-    chain.tip = find_id(model_, mjOBJ_BODY, name);
-    if (!is_below(chain.tip)) {
-      throw BadInput(fmt::format("the fingertip {} is not below the hand's root {}", name,
-                                 model_name(model_, mjOBJ_BODY, root_)));
-    }
-    for (int body = chain.tip; body > 0 && body != palm_; body = model_.body_parentid[body]) {
-      chain.bodies.insert(chain.bodies.begin(), body);
+    const Chain chain = chain_to(name);
+    for (const Chain& other : chosen) {
+      if (other.tip == chain.tip) throw BadInput(fmt::format("tips names {} twice", name));
+      if (!is_below(chain.tip, other.tip) && !is_below(other.tip, chain.tip)) continue;
+      throw BadInput(fmt::format("tips: {} and {} are of one finger", name,
+                                 model_name(model_, mjOBJ_BODY, other.tip)));
     }
     chosen.push_back(chain);
   }
   fingers_ = chosen;
 }
 
-bool Anatomy::is_below(int body) const {
-  while (body > root_) body = model_.body_parentid[body];
-  return body == root_;
+std::vector<int> Anatomy::joints_of_no_finger() const {
+  std::vector<int> result;
+  for (int joint = 0; joint < model_.njnt; ++joint) {
+    const int body = model_.jnt_bodyid[joint];
+    const bool used = !is_below(body) || std::ranges::any_of(fingers_, [&](const Chain& finger) {
+      return is_below(finger.tip, body) || std::ranges::count(finger.bodies, body) > 0;
+    });
+    if (!used) result.push_back(joint);
+  }
+  return result;
+}
+
+bool Anatomy::is_below(int body, int above) const {
+  while (body > above) body = model_.body_parentid[body];
+  return body == above;
+}
+
+void refuse_slides(const mjModel& model, const Anatomy& anatomy) {
+  int first = -1, slide = -1, hinges = 0, beyond = 0;
+  for (int joint = 0; joint < model.njnt; ++joint) {
+    if (!anatomy.is_below(model.jnt_bodyid[joint])) continue;
+    hinges += model.jnt_type[joint] == mjJNT_HINGE;
+    if (model.jnt_type[joint] != mjJNT_SLIDE) continue;
+    if (first < 0) first = joint;
+    slide = joint;
+  }
+  if (slide < 0) return;
+  const int body = model.jnt_bodyid[slide];
+  for (int joint = 0; joint < model.njnt; ++joint) {
+    beyond +=
+        anatomy.is_below(model.jnt_bodyid[joint], body) && model.jnt_type[joint] == mjJNT_HINGE;
+  }
+  const bool carries = 2 * beyond > hinges;
+  throw BadInput(fmt::format(
+      "joint {} is a slide, and sliding joints are not supported{}",
+      model_name(model, mjOBJ_JOINT, first),
+      carries ? fmt::format("; if it only carries the hand, root = \"{}\" in a TOML file leaves it "
+                            "out",
+                            model_name(model, mjOBJ_BODY, body))
+              : ""));
 }
 
 void shorten(std::vector<Chain>& fingers) {
   if (fingers.size() < 2) return;
-  const auto all = [&](auto&& test) { return std::all_of(fingers.begin(), fingers.end(), test); };
-  std::string& first = fingers.front().name;
-  while (first.size() > 1 && all([&](const Chain& one) {
-           return one.name.size() > 1 && one.name.back() == first.back();
-         })) {
-    for (Chain& one : fingers) one.name.pop_back();
+  const std::string first = fingers.front().name;
+  const auto end_of_all = [&](std::size_t length) {
+    const auto ends_so = [&](const Chain& one) {
+      return one.name.size() > length && one.name.ends_with(first.substr(first.size() - length));
+    };
+    return std::ranges::all_of(fingers, ends_so);
+  };
+  std::size_t length = 0;  // of what they all end in, from a separator on
+  for (std::size_t i = 1; i < first.size() && end_of_all(i); ++i) {
+    if (kSeparators.find(first[first.size() - i]) != std::string_view::npos) length = i;
   }
   for (Chain& one : fingers) {
-    while (one.name.size() > 1 && (one.name.back() == '_' || one.name.back() == '-')) {
+    one.name.resize(one.name.size() - length);
+    while (one.name.size() > 1 && kSeparators.find(one.name.back()) != std::string_view::npos) {
       one.name.pop_back();
     }
   }

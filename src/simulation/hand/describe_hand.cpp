@@ -6,17 +6,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "simulation/hand/anatomy.hpp"
 #include "simulation/hand/closing_joints.hpp"
-#include "simulation/hand/hand_joints.hpp"
+#include "simulation/hand/find_thumb.hpp"
+#include "simulation/hand/hand_alone.hpp"
 #include "simulation/hand/hand_model.hpp"
 #include "simulation/hand/hand_spec.hpp"
+#include "simulation/hand/joint_drives.hpp"
 #include "simulation/hand/mimic_joints.hpp"
 #include "simulation/hand/model_checks.hpp"
+#include "simulation/hand/mount_frame.hpp"
 #include "simulation/hand/overlapping_links.hpp"
 #include "simulation/hand/tip_capsule.hpp"
 
@@ -31,24 +33,6 @@ constexpr double kOneSided = 0.3;  // asymmetry of a range from which a joint fl
 constexpr double kLeastBend = 0.1, kUsualBend = 1.57;  // rad: suspiciously few; without limits
 constexpr double kHalf = 0.35;  // share of the way to closed at which the hand is measured
 
-/// Largest torque of the servos that drive a joint, N m; 0 where the file does not say.
-double torque_limit(const mjModel& model, int joint) {
-  if (model.jnt_actfrclimited[joint]) return model.jnt_actfrcrange[2 * joint + 1];
-  for (int i = 0; i < model.nu; ++i) {
-    if (model.actuator_trntype[i] != mjTRN_JOINT || model.actuator_trnid[2 * i] != joint) continue;
-    if (model.actuator_forcelimited[i]) return model.actuator_forcerange[2 * i + 1];
-  }
-  return 0;
-}
-
-Eigen::Isometry3d given_mount(const HandNotes& notes) {
-  const Eigen::Vector3d rpy = notes.mount_rpy * std::numbers::pi / 180;
-  return Eigen::Translation3d(notes.mount_xyz) *
-         Eigen::Quaterniond(Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
-                            Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
-                            Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()));
-}
-
 class Describer {
  public:
   Describer(const std::filesystem::path& file, const HandNotes& notes)
@@ -56,7 +40,7 @@ class Describer {
     std::vector<std::string> warnings;
     spec_ = parse_model(file, &warnings);
     for (const std::string& warning : warnings) {
-      problem("the simulator warns: " + warning, "see the file");
+      problem(warning, "see the file");
     }
     result_.hand.name = file.string();
     result_.hand.file.path = std::filesystem::absolute(file);
@@ -64,8 +48,7 @@ class Describer {
 
   DescribedHand run() {
     result_.hand.file.root = find_root(*spec_, notes_);
-    find_body(*spec_, result_.hand.file.root);
-    free_from_joints(*spec_, result_.hand.file.root);
+    keep_hand_only(*spec_, result_.hand.file.root);
     const ModelHandle model = compile(*spec_);
     check_masses(*model);
     check_shapes(*model);
@@ -74,25 +57,34 @@ class Describer {
       problem(fmt::format("tendon {} is left out", tendon),
               "its joints get a drive each; tie joints by an equality instead");
     }
-    const Anatomy anatomy(*model, result_.hand.file.root, notes_);
+    if (const int joints = springs(*model); joints > 0) {
+      problem(fmt::format("springs of {} joints are left out", joints), "servos hold the joints");
+    }
+    mimics_ = mimic_joints(*model, file_);
+    const Anatomy anatomy(*model, result_.hand.file.root, notes_, mimics_);
+    refuse_slides(*model, anatomy);
     read_joints(*model, anatomy);
     read_fingers(*model, anatomy);
-    read_couplings(*model);
+    report_joints(*model, anatomy);
     add_drives(*model);
+    guess(led_fingers(hand(), finger_of_joint_));
     measure(anatomy, *model);
     check_size(hand());
-    find_thumb();
+    choose_thumb(*model);
     if (!ranges_determine_closing(hand())) set_closing();
     place_mount();
     set_closing();
     set_gains(*model);
+    if (notes_.max_torque == 0) guess(lower_torque_limits(hand()));
     exclude_overlaps();
     return std::move(result_);
   }
 
  private:
   hand::Description& hand() { return result_.hand; }
-  void guess(std::string text) { result_.guesses.push_back(std::move(text)); }
+  void guess(std::string text) {
+    if (!text.empty()) result_.guesses.push_back(std::move(text));
+  }
   void problem(std::string what, std::string hint) {
     result_.problems.push_back({std::move(what), std::move(hint)});
   }
@@ -106,17 +98,20 @@ class Describer {
   }
 
   void read_joints(const mjModel& model, const Anatomy& anatomy);
+  hand::Range range_without_limits(const mjModel& model, int joint);
   void read_fingers(const mjModel& model, const Anatomy& anatomy);
-  void read_couplings(const mjModel& model);
+  void report_joints(const mjModel& model, const Anatomy& anatomy);
   void add_drives(const mjModel& model);
+  void add_followers(hand::Actuator& actuator);
+  double torque_of(const mjModel& model, int joint) const;
   void measure(const Anatomy& anatomy, const mjModel& model);
-  void find_thumb();
-  int named_thumb() const;
+  int first_link(const mjModel& model, std::size_t finger) const;
+  void choose_thumb(const mjModel& model);
   void place_mount();
   Eigen::Isometry3d derived_mount();
   void set_gains(const mjModel& model);
   void exclude_overlaps();
-  bool on_chain(int joint, const Chain& chain, const mjModel& model) const;
+  int finger_of(int body) const;
   hand::ActuatorVector posture(double share) const;
   std::vector<Eigen::Vector3d> tips_at(double share) const;
 
@@ -125,7 +120,8 @@ class Describer {
   SpecHandle spec_;
   DescribedHand result_;
   std::vector<Chain> chains_;
-  std::vector<int> joint_ids_;      // in the model, of the hand's joints
+  std::vector<int> joint_ids_;  // in the model, of the hand's joints
+  std::vector<int> finger_of_joint_;
   std::vector<MimicJoint> mimics_;  // by name
 };
 
@@ -136,10 +132,8 @@ void Describer::read_joints(const mjModel& model, const Anatomy& anatomy) {
     hand::Range range{model.jnt_range[2 * joint], model.jnt_range[2 * joint + 1]};
     check_limits(name, range);
     if (!model.jnt_limited[joint] || !(range.high > range.low)) {
-      const char* const limits = range.high < range.low ? "reversed limits" : "no limits";
-      problem(fmt::format("{} of joint {}", limits, name),
-              fmt::format("give it a range in the file; 0 .. {} rad is used", kUsualBend));
-      range = {0, kUsualBend};
+      range = range_without_limits(model, joint);
+      check_limits(name, range);
     }
     if (const double turn = range.high - range.low; turn < kLeastBend) {
       problem(fmt::format("joint {} turns by {:.3f} rad only", name, turn),
@@ -153,6 +147,18 @@ void Describer::read_joints(const mjModel& model, const Anatomy& anatomy) {
     throw BadInput(fmt::format("the hand has {} joints, but at most {} are possible",
                                hand().joint_count(), hand::kMaxJoints));
   }
+}
+
+/// That of its actuator's commands, else a usual one.
+hand::Range Describer::range_without_limits(const mjModel& model, int joint) {
+  const mjtNum* const given = model.jnt_range + 2 * joint;
+  const auto commanded = commanded_range(model, joint);
+  const hand::Range range = commanded.value_or(hand::Range{0, kUsualBend});
+  problem(fmt::format("{} of joint {}", given[1] < given[0] ? "reversed limits" : "no limits",
+                      model_name(model, mjOBJ_JOINT, joint)),
+          fmt::format("give it a range in the file; {:.3g} .. {:.3g} rad is used{}", range.low,
+                      range.high, commanded ? ", the commands of its actuator" : ""));
+  return range;
 }
 
 void Describer::read_fingers(const mjModel& model, const Anatomy& anatomy) {
@@ -183,14 +189,32 @@ void Describer::read_fingers(const mjModel& model, const Anatomy& anatomy) {
   }
 }
 
-void Describer::read_couplings(const mjModel& model) { mimics_ = mimic_joints(model, file_); }
+/// Says which joints are locked, and which move no finger.
+void Describer::report_joints(const mjModel& model, const Anatomy& anatomy) {
+  for (const MimicJoint& mimic : mimics_) {
+    if (mimic.ratio != 0) continue;
+    guess(fmt::format("joint {} is locked at {:.2f} rad", mimic.joint, mimic.offset));
+  }
+  if (!notes_.tips.empty()) return;
+  std::vector<std::string> lost;
+  for (const int joint : anatomy.joints_of_no_finger()) {
+    lost.push_back(model_name(model, mjOBJ_JOINT, joint));
+  }
+  if (lost.empty()) return;
+  problem(fmt::format("joints {} belong to no finger", fmt::join(lost, ", ")),
+          "if they should, name every fingertip: tips = \"BODY,BODY\" in a TOML file");
+}
 
-bool Describer::on_chain(int joint, const Chain& chain, const mjModel& model) const {
-  const int body = model.jnt_bodyid[joint_ids_[static_cast<std::size_t>(joint)]];
-  return std::find(chain.bodies.begin(), chain.bodies.end(), body) != chain.bodies.end();
+int Describer::finger_of(int body) const {
+  int finger = -1;
+  for (std::size_t i = 0; i < chains_.size(); ++i) {
+    if (std::ranges::count(chains_[i].bodies, body) > 0) finger = static_cast<int>(i);
+  }
+  return finger;
 }
 
 void Describer::add_drives(const mjModel& model) {
+  for (const int joint : joint_ids_) finger_of_joint_.push_back(finger_of(model.jnt_bodyid[joint]));
   for (int joint = 0; joint < hand().joint_count(); ++joint) {
     const hand::Joint& one = hand().joints[static_cast<std::size_t>(joint)];
     const auto follows = [&](const MimicJoint& mimic) { return mimic.joint == one.name; };
@@ -199,20 +223,9 @@ void Describer::add_drives(const mjModel& model) {
     actuator.name = one.name;
     actuator.joints = {{.joint = joint}};
     actuator.command = one.range;
-    for (const MimicJoint& mimic : mimics_) {
-      if (mimic.leader != one.name) continue;
-      actuator.joints.push_back({.joint = hand().joint(mimic.joint),
-                                 .gear = 0,
-                                 .share = mimic.ratio,
-                                 .offset = mimic.offset});
-    }
-    for (std::size_t finger = 0; finger < chains_.size(); ++finger) {
-      if (on_chain(joint, chains_[finger], model)) actuator.finger = static_cast<int>(finger);
-    }
-    const double limit = torque_limit(model, joint_ids_[static_cast<std::size_t>(joint)]);
-    actuator.max_torque = notes_.max_torque > 0 ? notes_.max_torque
-                          : limit > 0           ? limit
-                                                : kUsualTorque;
+    add_followers(actuator);
+    actuator.finger = finger_of_joint_[static_cast<std::size_t>(joint)];
+    actuator.max_torque = torque_of(model, joint);
     const double middle = one.range.high + one.range.low;
     const double width = one.range.high - one.range.low;
     if (actuator.finger >= 0 && std::abs(middle) > kOneSided * width) {
@@ -220,6 +233,34 @@ void Describer::add_drives(const mjModel& model) {
     }
     hand().actuators.push_back(actuator);
   }
+}
+
+/// The joints that follow an actuator's first, which then goes no farther than they can.
+void Describer::add_followers(hand::Actuator& actuator) {
+  for (const MimicJoint& mimic : mimics_) {
+    if (mimic.leader != actuator.name) continue;
+    actuator.joints.push_back({.joint = hand().joint(mimic.joint),
+                               .gear = 0,
+                               .share = mimic.ratio,
+                               .offset = mimic.offset});
+  }
+  const hand::Range led = range_with_followers(hand(), actuator), own = actuator.command;
+  if (led.low == own.low && led.high == own.high) return;
+  if (led.high - led.low < kLeastBend) {
+    problem(fmt::format("the limits of the joints that follow {} leave it nothing", actuator.name),
+            "compare their limits with the equality or mimic; they are ignored");
+    return;
+  }
+  guess(fmt::format("{} moves from {:.2f} to {:.2f} rad, as far as its followers' limits allow",
+                    actuator.name, led.low, led.high));
+  actuator.command = led;
+}
+
+/// N m: the user's, the file's or a usual one.
+double Describer::torque_of(const mjModel& model, int joint) const {
+  if (notes_.max_torque > 0) return notes_.max_torque;
+  const double limit = torque_limit(model, joint_ids_[static_cast<std::size_t>(joint)]);
+  return limit > 0 ? limit : kUsualTorque;
 }
 
 /// Puts the fingertips in and reads links, with the root at the mount.
@@ -260,91 +301,47 @@ std::vector<Eigen::Vector3d> Describer::tips_at(double share) const {
   return fingertips(result_.hand, posture(share));
 }
 
-/// The finger that closes against the others: it points and moves least like them.
-void Describer::find_thumb() {
+int Describer::first_link(const mjModel& model, std::size_t finger) const {
+  const hand::Description& hand = result_.hand;
+  const int carrier = model.body_parentid[chains_[finger].bodies.front()];
+  const std::string name = model_name(model, mjOBJ_BODY, carrier);
+  int link = hand.fingers[finger].link;
+  while (true) {
+    const int parent = hand.links[static_cast<std::size_t>(link)].parent;
+    if (parent < 0 || parent == hand.palm) return link;
+    if (hand.links[static_cast<std::size_t>(parent)].name == name) return link;
+    link = parent;
+  }
+}
+
+void Describer::choose_thumb(const mjModel& model) {
   if (!notes_.thumb.empty()) {
-    hand().thumb = named_thumb();
+    hand().thumb = named_thumb(hand(), notes_.thumb);
     return;
   }
-  const auto from = tips_at(0.1), to = tips_at(kHalf + 0.2);
+  FingerMotion motion{{}, tips_at(0.1), tips_at(kHalf + 0.2)};
   const auto T = hand::forward_kinematics(hand(), hand::joints_in_free_flexion(hand(), posture(0)));
-  std::vector<Eigen::Vector3d> ways, rays;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    ways.push_back((to[i] - from[i]).normalized());
-    int link = hand().fingers[i].link;
-    while (hand().links[static_cast<std::size_t>(link)].parent != hand().palm &&
-           hand().links[static_cast<std::size_t>(link)].parent >= 0) {
-      link = hand().links[static_cast<std::size_t>(link)].parent;
-    }
-    rays.push_back((from[i] - T[static_cast<std::size_t>(link)].translation()).normalized());
+  for (std::size_t i = 0; i < chains_.size(); ++i) {
+    motion.bases.push_back(T[static_cast<std::size_t>(first_link(model, i))].translation());
   }
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    double alike = 0;
-    for (std::size_t j = 0; j < ways.size(); ++j) {
-      if (j != i) alike += ways[i].dot(ways[j]) + rays[i].dot(rays[j]);
-    }
-    if (alike >= least) continue;
-    least = alike;
-    hand().thumb = static_cast<int>(i);
-  }
+  hand().thumb = find_thumb(motion);
   guess(fmt::format("{} closes against the other fingers",
                     hand().fingers[static_cast<std::size_t>(hand().thumb)].name));
 }
 
-int Describer::named_thumb() const {
-  const auto& fingers = result_.hand.fingers;
-  const auto named = std::ranges::find(fingers, notes_.thumb, &hand::Finger::name);
-  if (named != fingers.end()) return static_cast<int>(named - fingers.begin());
-  std::vector<std::string> names;
-  for (const hand::Finger& finger : fingers) names.push_back(finger.name);
-  throw BadInput(
-      fmt::format("thumb = '{}' is none of the fingers: {}", notes_.thumb, fmt::join(names, ", ")));
-}
-
 void Describer::place_mount() {
-  hand().file.T_mount_root = notes_.has_mount ? given_mount(notes_) : derived_mount();
+  hand().file.T_mount_root = has_mount(notes_) ? given_mount(notes_) : derived_mount();
   hand().links.front().T_parent_link = hand().file.T_mount_root;
 }
 
-/// Palm down, fingers along +x, its origin between the half closed fingertips.
 Eigen::Isometry3d Describer::derived_mount() {
-  const auto open = tips_at(0.1), closed = tips_at(kHalf + 0.2);
-  const auto half = tips_at(kHalf);
-  const auto thumb = static_cast<std::size_t>(hand().thumb);
-  Eigen::Vector3d ray = Eigen::Vector3d::Zero(), way = ray, middle = ray;
-  const Eigen::Vector3d palm =
-      hand::forward_kinematics(
-          hand(),
-          hand::joints_in_free_flexion(hand(), posture(0)))[static_cast<std::size_t>(hand().palm)]
-          .translation();
-  for (std::size_t i = 0; i < open.size(); ++i) {
-    if (i == thumb) continue;
-    ray += (open[i] - palm).normalized();
-    way += closed[i] - open[i];
-    middle += half[i] / static_cast<double>(open.size() - 1);
-  }
-  const Eigen::Vector3d origin = 0.5 * (middle + half[thumb]);
-  // Where the fingers close against one another rather than onto a palm, they point down.
-  const Eigen::Vector3d thumb_way = closed[thumb] - open[thumb];
-  const bool gripper = way.normalized().dot(thumb_way.normalized()) < -0.7 &&
-                       (open[thumb] - palm).normalized().dot(ray.normalized()) > 0.5;
-  Eigen::Matrix3d R;  // columns: the mount's axes in the root's frame
-  const Eigen::Vector3d z =
-      gripper ? Eigen::Vector3d(-ray.normalized())
-              : Eigen::Vector3d(-(way - way.dot(ray.normalized()) * ray.normalized()).normalized());
-  const Eigen::Vector3d along = gripper ? Eigen::Vector3d(way) : Eigen::Vector3d(ray);
-  const Eigen::Vector3d x = (along - along.dot(z) * z).normalized();
-  R << x, z.cross(x), z;
-  Eigen::Isometry3d T_root_mount = Eigen::Isometry3d::Identity();
-  T_root_mount.linear() = R;
-  T_root_mount.translation() = origin;
-  if (gripper) {
-    guess("the fingers point down from the mount");
-  } else {
-    guess("the palm faces down from the mount");
-  }
-  return T_root_mount.inverse();
+  const auto T = hand::forward_kinematics(hand(), hand::joints_in_free_flexion(hand(), posture(0)));
+  const MountFrame frame =
+      derive_mount({tips_at(0.1), tips_at(kHalf), tips_at(kHalf + 0.2)},
+                   T[static_cast<std::size_t>(hand().palm)].translation(), hand().thumb);
+  guess(frame.points_down ? "the fingers point down from the mount"
+                          : "the palm faces down from the mount");
+  return frame.T_root_mount.inverse();
 }
 
 void Describer::set_gains(const mjModel& model) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 #include <string>
 
@@ -90,6 +91,17 @@ void scale_servos(mjSpec& spec, const hand::Description& hand, double stiffness_
   }
 }
 
+/// A servo is all that moves a joint: springs of the file go.
+void give_drive(mjsJoint& joint, const hand::Actuator& drive) {
+  std::ranges::fill(joint.stiffness, 0);
+  std::ranges::fill(joint.springdamper, 0);
+  std::ranges::fill(joint.damping, 0);
+  joint.springref = 0;
+  joint.damping[0] = drive.damping;
+  joint.armature = drive.armature;
+  joint.frictionloss = 0;
+}
+
 void remove_actuators(mjSpec& spec) {
   while (mjsElement* element = mjs_firstElement(&spec, mjOBJ_ACTUATOR)) mjs_delete(&spec, element);
 }
@@ -109,10 +121,7 @@ void add_servos(mjSpec& spec, const hand::Description& hand) {
     Eigen::Vector2d::Map(actuator->forcerange) << -one.max_torque, one.max_torque;
     actuator->ctrllimited = mjLIMITED_TRUE;
     for (const hand::DrivenJoint& driven : one.joints) {
-      mjsJoint& moved = find_joint(spec, hand, joint_name(hand, driven));
-      moved.damping[0] = one.damping;
-      moved.armature = one.armature;
-      moved.frictionloss = 0;
+      give_drive(find_joint(spec, hand, joint_name(hand, driven)), one);
     }
   }
 }

@@ -2,13 +2,18 @@
 #include "simulation/hand/hand_spec.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <limits>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
 #include "palpate/geometry/query/rounded_hull.hpp"
+#include "simulation/hand/hand_alone.hpp"
+#include "simulation/hand/link_masses.hpp"
+#include "simulation/hand/mesh_files.hpp"
 #include "simulation/hand/warnings.hpp"
 
 namespace palpate::simulation {
@@ -29,12 +34,14 @@ std::vector<mjsGeom*> solids(mjsBody& body) {
   return result;
 }
 
-/// Gives names to what has none, so that it can be found again.
+/// Gives free names to what has none, so that it can be found again.
 void name_all(mjSpec& spec, mjtObj type, const char* kind) {
   int count = 0;
   for (mjsElement* e = mjs_firstElement(&spec, type); e; e = mjs_nextElement(&spec, e), ++count) {
-    const std::string name = mjs_getString(mjs_getName(e));
-    if (name.empty()) mjs_setName(e, fmt::format("{}_{}", kind, count).c_str());
+    if (*mjs_getString(mjs_getName(e))) continue;
+    std::string name = fmt::format("{}_{}", kind, count);
+    while (mjs_findElement(&spec, type, name.c_str())) name += '_';
+    set_name(e, name);
   }
 }
 
@@ -76,7 +83,7 @@ void forget_sizes(mjSpec& spec) {
 
 /// How far the middle of a geom is from a point of its body.
 double distance_to(const mjsGeom& geom, const Eigen::Vector3d& p) {
-  return (Eigen::Vector3d::Map(geom.pos) - p).norm();
+  return (middle_in_body(geom) - p).norm();
 }
 
 /// Orientation (w, x, y, z) that turns z into the direction of a capsule's axis.
@@ -101,15 +108,75 @@ void become_hull(mjSpec& spec, mjsGeom& geom, const std::string& name, const han
   for (const auto& p : geometry::RoundedHull(hull.core, hull.radius).surface_points()) {
     for (const double value : p) vertices.push_back(static_cast<float>(value));
   }
-  const std::string asset = name + ".hull";  // the file may have a mesh of the geom's name
+  const std::string asset = name + ".hull";
   mjsMesh* mesh = mjs_addMesh(&spec, nullptr);
-  mjs_setName(mesh->element, asset.c_str());
+  set_name(mesh->element, asset);
   mjs_setFloat(mesh->uservert, vertices.data(), static_cast<int>(vertices.size()));
   Eigen::Vector3d::Map(mesh->scale).setOnes();
   geom.type = mjGEOM_MESH;
   mjs_setString(geom.meshname, asset.c_str());
   Eigen::Vector3d::Map(geom.pos).setZero();
   Eigen::Vector4d::Map(geom.quat) << 1, 0, 0, 0;
+}
+
+/// What MuJoCo says, shortened where the file is not XML at all.
+std::string reason_of(const std::string& message) {
+  if (!message.starts_with("XML parse error")) return message;
+  const auto line = message.find("Line number=");
+  if (line == message.npos) return "it is not XML";
+  return fmt::format("it is not XML, from line {} on", std::atoi(message.c_str() + line + 12));
+}
+
+/// Leaves of the file the bodies of hands, all with names, and nothing that reaches beyond them.
+void clean(mjSpec& spec) {
+  mj_defaultOption(&spec.option);  // gravity, the solver and what it leaves out
+  spec.authored = {};
+  spec.compiler.fusestatic = 0;      // of a URDF: every link stays a body
+  spec.compiler.balanceinertia = 1;  // those of drawings often break A + B >= C
+  apply_inertia_rules(spec);
+  remove_all(spec, mjOBJ_KEY);     // of other numbers of joints than a scene's
+  remove_all(spec, mjOBJ_SENSOR);  // of actuators that are replaced
+  remove_all(spec, mjOBJ_TUPLE);   // of what may go
+  remove_all(spec, mjOBJ_SKIN);
+  remove_surroundings(spec);
+  forget_defaults(spec);
+  forget_sizes(spec);
+  name_all(spec, mjOBJ_BODY, "body");
+  name_all(spec, mjOBJ_JOINT, "joint");
+}
+
+SpecHandle read_xml(const std::filesystem::path& file, std::vector<std::string>* warnings) {
+  const Warnings warned;
+  std::array<char, 1000> message{};
+  SpecHandle spec(mj_parseXML(file.c_str(), nullptr, message.data(), message.size()));
+  if (!spec) {
+    throw BadInput(fmt::format("cannot read the hand {}: {}", file.string(),
+                               reason_of(one_line(message.data()))));
+  }
+  for (const std::string& text : warned.texts()) {
+    if (text.find("'NaN'") != std::string::npos) {
+      throw BadInput(fmt::format("cannot read the hand {}: a number is NaN", file.string()));
+    }
+    if (warnings) warnings->push_back("the simulator warns: " + one_line(text));
+  }
+  return spec;
+}
+
+/// @throws BadInput if the text holds macros that are still to be expanded
+void refuse_templates(const std::filesystem::path& file) {
+  if (std::error_code error; !std::filesystem::is_regular_file(file, error)) return;
+  const std::string text = read_file(file);
+  for (std::size_t at = 0; (at = text.find_first_of("<$", at)) != text.npos; ++at) {
+    const auto here = std::string_view(text).substr(at);
+    if (here.starts_with("<!--")) {
+      at = std::min(text.find("-->", at), text.size() - 1);
+    } else if (here.starts_with("<xacro:") || here.starts_with("${")) {
+      throw BadInput(
+          fmt::format("cannot read the hand {}: it holds xacro macros; run xacro on it first, and "
+                      "give what that writes",
+                      file.string()));
+    }
+  }
 }
 
 }  // namespace
@@ -127,43 +194,22 @@ std::string file_actuator(const hand::Description& hand, std::string_view actuat
 }
 
 std::string tip_geom(const hand::Description& hand, int finger) {
-  return fmt::format("tip_{}", hand.fingers[static_cast<std::size_t>(finger)].name);
-}
-
-/// What MuJoCo says, shortened where the file is not XML at all.
-std::string reason_of(const std::string& message) {
-  if (!message.starts_with("XML parse error")) return message;
-  const auto line = message.find("Line number=");
-  if (line == message.npos) return "it is not XML";
-  return fmt::format("it is not XML, from line {} on", std::atoi(message.c_str() + line + 12));
+  return own_name("tip_" + hand.fingers[static_cast<std::size_t>(finger)].name);
 }
 
 SpecHandle parse_model(const std::filesystem::path& file, std::vector<std::string>* warnings) {
   if (std::error_code error; std::filesystem::is_directory(file, error)) {
     throw BadInput(fmt::format("cannot read the hand {}: it is a folder", file.string()));
   }
-  const Warnings warned;
-  std::array<char, 1000> message{};
-  SpecHandle spec(mj_parseXML(file.c_str(), nullptr, message.data(), message.size()));
-  if (!spec) {
-    throw BadInput(fmt::format("cannot read the hand {}: {}", file.string(),
-                               reason_of(one_line(message.data()))));
+  refuse_templates(file);
+  SpecHandle spec = read_xml(file, warnings);
+  clean(*spec);
+  find_meshes(*spec, file);
+  const auto massless = give_masses(*spec);
+  if (warnings && !massless.empty()) {
+    warnings->push_back(fmt::format("links without a mass get {} g: {}", 1000 * kLeastMass,
+                                    fmt::join(massless, ", ")));
   }
-  for (const std::string& text : warned.texts()) {
-    if (text.find("'NaN'") != std::string::npos) {
-      throw BadInput(fmt::format("cannot read the hand {}: a number is NaN", file.string()));
-    }
-    if (warnings) warnings->push_back(one_line(text));
-  }
-  spec->compiler.fusestatic = 0;      // of a URDF: every link stays a body
-  spec->compiler.balanceinertia = 1;  // those of drawings often break A + B >= C
-  remove_all(*spec, mjOBJ_KEY);       // of other numbers of joints than a scene's
-  remove_all(*spec, mjOBJ_SENSOR);    // of actuators that are replaced
-  remove_surroundings(*spec);
-  forget_defaults(*spec);
-  forget_sizes(*spec);
-  name_all(*spec, mjOBJ_BODY, "body");
-  name_all(*spec, mjOBJ_JOINT, "joint");
   return spec;
 }
 
@@ -183,7 +229,8 @@ void put_tip(mjSpec& spec, const std::string& body, const std::string& name,
   mjsGeom& geom = **std::min_element(geoms.begin(), geoms.end(), [&](auto* one, auto* other) {
     return distance_to(*one, capsule.b) < distance_to(*other, capsule.b);
   });
-  mjs_setName(geom.element, name.c_str());
+  set_name(geom.element, name);
+  leave_frames(find_body(spec, body), *geom.element);
   for (mjsGeom* other : geoms) {  // all that touches at a fingertip is sensed
     if (other != &geom) other->contype = other->conaffinity = 0;
   }
@@ -199,8 +246,8 @@ void put_tip(mjSpec& spec, const std::string& body, const std::string& name,
 
 SpecHandle parse_hand(const hand::Description& hand) {
   SpecHandle spec = parse_model(hand.file.path);
-  mjsBody& root = find_body(*spec, hand.file.root);
-  while (mjsElement* joint = mjs_firstChild(&root, mjOBJ_JOINT, 0)) mjs_delete(spec.get(), joint);
+  keep_hand_only(*spec, hand.file.root);
+  if (!hand.file.own_servos) remove_tendons(*spec);
   place_root(*spec, hand.file);
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
     const hand::Finger& one = hand.fingers[static_cast<std::size_t>(finger)];
@@ -213,6 +260,14 @@ SpecHandle parse_hand(const hand::Description& hand) {
     mjs_setString(pair->bodyname2, other.c_str());
   }
   return spec;
+}
+
+std::string own_name(const std::string& name) { return kOwnPrefix + name; }
+
+void set_name(mjsElement* element, const std::string& name) {
+  if (mjs_setName(element, name.c_str()) == 0) return;
+  throw BadInput(
+      fmt::format("the model has a {} {} already", mju_type2Str(element->elemtype), name));
 }
 
 mjsBody& find_body(const mjSpec& spec, const std::string& name) {

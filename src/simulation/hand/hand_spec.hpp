@@ -15,11 +15,18 @@ namespace palpate::simulation {
 std::string file_link(const hand::Description& hand, std::string_view link);
 std::string file_joint(const hand::Description& hand, std::string_view joint);
 std::string file_actuator(const hand::Description& hand, std::string_view actuator);
+/// What the names of all that is not of the hand's own file begin with: no file uses it.
+constexpr const char* kOwnPrefix = "palpate:";
+std::string own_name(const std::string& name);
+
+/// @throws BadInput if the model has something of this name already
+void set_name(mjsElement* element, const std::string& name);
+
 /// Name of the geom that is a fingertip.
 std::string tip_geom(const hand::Description& hand, int finger);
 
-/// A model file (MJCF or URDF), parsed.
-/// @param warnings  receives what the parser warns of
+/// A model file (MJCF or URDF), parsed, without its options.
+/// @param warnings  receives what the parser warns of, and links without a mass
 /// @throws BadInput, naming the file and what is wrong with it
 SpecHandle parse_model(const std::filesystem::path& file,
                        std::vector<std::string>* warnings = nullptr);
@@ -32,7 +39,7 @@ void place_root(mjSpec& spec, const hand::ModelFile& file);
 void put_tip(mjSpec& spec, const std::string& body, const std::string& geom,
              const hand::Finger& finger);
 
-/// The hand's model file with its root placed and its fingertips put in.
+/// The hand of its model file, alone, with its root placed and its fingertips put in.
 /// @throws BadInput, naming the file and what is wrong with it
 SpecHandle parse_hand(const hand::Description& hand);
 

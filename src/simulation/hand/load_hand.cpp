@@ -49,7 +49,11 @@ DescribedHand describe(const std::filesystem::path& file) {
     throw BadInput(
         fmt::format("{}: model = \"FILE\" is missing: the hand's MJCF or URDF", file.string()));
   }
-  return describe_hand(file.parent_path() / notes.model, notes);
+  try {
+    return describe_hand(file.parent_path() / notes.model, notes);
+  } catch (const BadInput& error) {
+    throw BadInput(fmt::format("{}: {}", file.string(), error.what()));
+  }
 }
 
 /// @throws BadInput that names the file, and what is odd about it

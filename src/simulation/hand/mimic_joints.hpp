@@ -9,13 +9,15 @@
 
 namespace palpate::simulation {
 
-/// A joint that follows another: angle = offset + ratio * leader.
+/// A joint that follows another: angle = offset + ratio * leader. One that is locked follows any,
+/// with the ratio 0.
 struct MimicJoint {
   std::string joint, leader;
   double ratio = 1, offset = 0;  ///< offset in rad
 };
 
-/// The joints that follow others: by the model's equalities, or by a URDF's mimic tags.
+/// The joints that follow others: by the model's equalities, or by a URDF's mimic tags. Of joints
+/// that equalities tie, the one with an actuator leads, whichever way they are written.
 /// @throws BadInput for joints that follow one another in a circle, or a leader that is not there
 std::vector<MimicJoint> mimic_joints(const mjModel& model, const std::filesystem::path& file);
 

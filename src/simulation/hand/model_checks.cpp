@@ -70,6 +70,11 @@ std::vector<std::string> tendons(const mjModel& model) {
   return names;
 }
 
+int springs(const mjModel& model) {
+  return static_cast<int>(std::count_if(model.jnt_stiffness, model.jnt_stiffness + model.njnt,
+                                        [](double stiffness) { return stiffness != 0; }));
+}
+
 void check_limits(const std::string& joint, const hand::Range& range) {
   const double most = std::max(std::abs(range.low), std::abs(range.high));
   if (most <= 2 * std::numbers::pi) return;

@@ -28,4 +28,7 @@ void check_limits(const std::string& joint, const hand::Range& range);
 /// Names of the model's tendons.
 std::vector<std::string> tendons(const mjModel& model);
 
+/// How many joints have a spring.
+int springs(const mjModel& model);
+
 }  // namespace palpate::simulation

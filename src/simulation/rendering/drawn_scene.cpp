@@ -13,6 +13,9 @@ namespace palpate::simulation {
 namespace {
 
 constexpr double kTableThickness = 0.02;  // m
+// The names of what is not of the hand's file (kOwnPrefix).
+constexpr const char* kTable = "palpate:table";
+constexpr const char* kObject = "palpate:object";
 
 using Color = Eigen::Vector3f;
 
@@ -41,7 +44,7 @@ void set_quality(mjVisual& visual, int width, int height) {
 
 void add_sky(mjSpec& spec) {
   mjsTexture* sky = mjs_addTexture(&spec, mjs_getSpecDefault(&spec));
-  mjs_setName(sky->element, "sky");
+  set_name(sky->element, "palpate:sky");
   sky->type = mjTEXTURE_SKYBOX;
   sky->builtin = mjBUILTIN_GRADIENT;
   sky->width = 512;
@@ -52,7 +55,7 @@ void add_sky(mjSpec& spec) {
 
 mjsMaterial& add_material(mjSpec& spec, const char* name, const Color& color) {
   mjsMaterial* material = mjs_addMaterial(&spec, mjs_getSpecDefault(&spec));
-  mjs_setName(material->element, name);
+  set_name(material->element, name);
   set(material->rgba, color);
   return *material;
 }
@@ -74,9 +77,9 @@ void add_surroundings(mjSpec& spec) {
   table->type = mjGEOM_CYLINDER;
   Eigen::Vector3d::Map(table->size) << 0.55, kTableThickness / 2, 0;
   table->pos[2] = -kTableThickness / 2;
-  mjsMaterial& material = add_material(spec, "table", kTableColor);
+  mjsMaterial& material = add_material(spec, kTable, kTableColor);
   material.specular = 0;
-  mjs_setString(table->material, "table");
+  mjs_setString(table->material, kTable);
   add_sun(world, {0.5, 0.5, 1.6}, 0.42f, true);
   add_sun(world, {0.9, -1.0, 0.6}, 0.3f, false);
   add_sun(world, {1.0, 0.8, 0.3}, 0.3f, false);
@@ -95,15 +98,15 @@ void add_free_body(mjsBody& body) {
 
 void add_object(mjSpec& spec, const geometry::TriangleMesh& mesh) {
   mjsBody* body = mjs_addBody(mjs_findBody(&spec, "world"), nullptr);
-  mjs_setName(body->element, "object");
+  set_name(body->element, kObject);
   body->explicitinertial = 1;  // any: it is never simulated
   body->mass = 1;
   Eigen::Vector3d::Map(body->inertia).setOnes();
   add_free_body(*body);
-  mjsMaterial& material = add_material(spec, "object", kObjectColor);
+  mjsMaterial& material = add_material(spec, kObject, kObjectColor);
   material.specular = 0.5f;
   material.shininess = 0.6f;
-  mjs_setString(add_mesh(spec, *body, "object", mesh).material, "object");
+  mjs_setString(add_mesh(spec, *body, kObject, mesh).material, kObject);
 }
 
 int position_of(const mjModel& model, const std::string& body) {
@@ -131,8 +134,8 @@ DrawnScene compose_drawn_scene(const hand::Description& hand, const geometry::Kn
         model.jnt_qposadr[find_id(model, mjOBJ_JOINT, file_joint(hand, joint.name))]);
   }
   scene.hand_position = position_of(model, hand.file.root);
-  scene.object_position = position_of(model, "object");
-  scene.object_geom = find_id(model, mjOBJ_GEOM, "object");
+  scene.object_position = position_of(model, kObject);
+  scene.object_geom = find_id(model, mjOBJ_GEOM, kObject);
   return scene;
 }
 

@@ -49,22 +49,26 @@ void set_bits(mjsGeom& geom, ContactBits bits) {
   geom.conaffinity = bits.affinity;
 }
 
-constexpr const char* kSurface = "surface";
-constexpr const char* kSecond = "second_object";
-constexpr double kSecondMass = 0.2;           // kg
-constexpr const char* kFixture = "fixture_";  // and a number
+// The names of what is not of the hand's file (kOwnPrefix).
+constexpr const char* kTable = "palpate:table";
+constexpr const char* kObject = "palpate:object";
+constexpr const char* kPart = "palpate:part_";  // and a number
+constexpr const char* kSurface = "palpate:surface";
+constexpr const char* kSecond = "palpate:second_object";
+constexpr double kSecondMass = 0.2;                   // kg
+constexpr const char* kFixture = "palpate:fixture_";  // and a number
 
 struct BaseAxis {
   const char* name;
   mjtJoint type;
   int axis;
 };
-constexpr std::array<BaseAxis, 6> kBaseAxes = {{{"base_x", mjJNT_SLIDE, 0},
-                                                {"base_y", mjJNT_SLIDE, 1},
-                                                {"base_z", mjJNT_SLIDE, 2},
-                                                {"base_yaw", mjJNT_HINGE, 2},
-                                                {"base_pitch", mjJNT_HINGE, 1},
-                                                {"base_roll", mjJNT_HINGE, 0}}};
+constexpr std::array<BaseAxis, 6> kBaseAxes = {{{"palpate:base_x", mjJNT_SLIDE, 0},
+                                                {"palpate:base_y", mjJNT_SLIDE, 1},
+                                                {"palpate:base_z", mjJNT_SLIDE, 2},
+                                                {"palpate:base_yaw", mjJNT_HINGE, 2},
+                                                {"palpate:base_pitch", mjJNT_HINGE, 1},
+                                                {"palpate:base_roll", mjJNT_HINGE, 0}}};
 
 struct Servo {
   double stiffness, damping, limit;
@@ -107,7 +111,7 @@ void set_solver(mjSpec& spec, const WorldOptions& options) {
 /// @param exact  it meets the hull of the object's mesh (add_resting_geom) instead of the parts
 void add_table(mjSpec& spec, double friction, bool exact, const Eigen::Isometry3d& T_world_table) {
   mjsGeom* table = mjs_addGeom(mjs_findBody(&spec, "world"), nullptr);
-  mjs_setName(table->element, "table");
+  set_name(table->element, kTable);
   table->type = mjGEOM_PLANE;
   write_pose(T_world_table, table->pos, table->quat);
   Eigen::Vector3d::Map(table->size) << 1, 1, 0.1;
@@ -124,7 +128,7 @@ void add_fixture(mjSpec& spec, const planning::Fixture& fixture, double friction
   for (const planning::FixtureBox& box : fixture) {
     for (const double half : box.half_extents) require_positive("a fixture's half extent", half);
     mjsGeom* geom = mjs_addGeom(world, nullptr);
-    mjs_setName(geom->element, fmt::format("{}{}", kFixture, number++).c_str());
+    set_name(geom->element, fmt::format("{}{}", kFixture, number++));
     geom->type = mjGEOM_BOX;
     Eigen::Vector3d::Map(geom->size) = box.half_extents;
     write_pose(T_world_table * box.T_world_box, geom->pos, geom->quat);
@@ -139,7 +143,7 @@ void add_fixture(mjSpec& spec, const planning::Fixture& fixture, double friction
 void add_base_joint(mjSpec& spec, mjsBody& root, const BaseAxis& axis) {
   const Eigen::Isometry3d T_root_base = pose3(root.pos, root.quat).inverse();
   mjsJoint* joint = mjs_addJoint(&root, mjs_getSpecDefault(&spec));
-  mjs_setName(joint->element, axis.name);
+  set_name(joint->element, axis.name);
   joint->type = axis.type;
   Eigen::Vector3d::Map(joint->axis) = T_root_base.linear().col(axis.axis);
   Eigen::Vector3d::Map(joint->pos) = T_root_base.translation();
@@ -149,7 +153,7 @@ void add_base_joint(mjSpec& spec, mjsBody& root, const BaseAxis& axis) {
 void add_base_servo(mjSpec& spec, const BaseAxis& axis) {
   const Servo& servo = axis.type == mjJNT_SLIDE ? kSlideServo : kHingeServo;
   mjsActuator* actuator = mjs_addActuator(&spec, mjs_getSpecDefault(&spec));
-  mjs_setName(actuator->element, axis.name);
+  set_name(actuator->element, axis.name);
   mjs_setString(actuator->target, axis.name);
   actuator->trntype = mjTRN_JOINT;
   // Damped by the servo, not the joint: joint damping would show up as a contact force.
@@ -211,7 +215,7 @@ mjsGeom& add_solid(mjSpec& spec, mjsBody& body, const std::string& name,
 
 mjsBody& add_object_body(mjSpec& spec, const geometry::KnownObject& object) {
   mjsBody* body = mjs_addBody(mjs_findBody(&spec, "world"), nullptr);
-  mjs_setName(body->element, "object");
+  set_name(body->element, kObject);
   const Eigen::Matrix3d& I = object.mass_properties.inertia;
   const std::array<double, 6> inertia = {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)};
   body->explicitinertial = 1;
@@ -223,17 +227,17 @@ mjsBody& add_object_body(mjSpec& spec, const geometry::KnownObject& object) {
   return *body;
 }
 
-std::string resting_geom(int share) { return fmt::format("rest_{}", share); }
+std::string resting_geom(int share) { return fmt::format("palpate:rest_{}", share); }
 
 /// What the table touches: nothing but the hull of the object's mesh.
 void add_resting_geom(mjSpec& spec, mjsBody& body, int share, double friction) {
   mjsGeom* geom = mjs_addGeom(&body, mjs_getSpecDefault(&spec));
-  mjs_setName(geom->element, resting_geom(share).c_str());
+  set_name(geom->element, resting_geom(share));
   mjs_setString(geom->meshname, kSurface);
   geom->type = mjGEOM_MESH;
   set_bits(*geom, kNoBits);
   mjsPair* pair = mjs_addPair(&spec, nullptr);
-  mjs_setString(pair->geomname1, "table");
+  mjs_setString(pair->geomname1, kTable);
   mjs_setString(pair->geomname2, resting_geom(share).c_str());
   pair->condim = 6;
   pair->solref[0] = kContactTime;
@@ -247,7 +251,7 @@ void add_object(mjSpec& spec, const SolidObject& solid, const WorldOptions& opti
   mjsBody& body = add_object_body(spec, solid.object);
   int number = 0;
   for (const geometry::TriangleMesh& part : solid.parts) {
-    mjsGeom& geom = add_solid(spec, body, fmt::format("part_{}", number++), part);
+    mjsGeom& geom = add_solid(spec, body, fmt::format("{}{}", kPart, number++), part);
     set_friction(geom, options.hand_friction);
     set_bits(geom, kPartBits);
   }
@@ -263,10 +267,10 @@ void add_object(mjSpec& spec, const SolidObject& solid, const WorldOptions& opti
 /// A box, which the robot does not know of.
 void add_second_object(mjSpec& spec, double friction) {
   mjsBody* body = mjs_addBody(mjs_findBody(&spec, "world"), nullptr);
-  mjs_setName(body->element, kSecond);
+  set_name(body->element, kSecond);
   mjs_addFreeJoint(body);
   mjsGeom* geom = mjs_addGeom(body, nullptr);
-  mjs_setName(geom->element, kSecond);
+  set_name(geom->element, kSecond);
   geom->type = mjGEOM_BOX;
   geom->mass = kSecondMass;
   Eigen::Vector3d::Map(geom->size) = kSecondHalf;
@@ -314,12 +318,12 @@ void locate(const hand::Description& hand, const hand::ArmDescription* arm, Scen
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
     scene.tips.push_back(find_id(m, mjOBJ_GEOM, tip_geom(hand, finger)));
   }
-  scene.table = find_id(m, mjOBJ_GEOM, "table");
+  scene.table = find_id(m, mjOBJ_GEOM, kTable);
   for (int geom = 0; geom < m.ngeom; ++geom) {
     const char* name = mj_id2name(&m, mjOBJ_GEOM, geom);
     if (name && std::string_view(name).starts_with(kFixture)) scene.fixture.push_back(geom);
   }
-  scene.object = find_id(m, mjOBJ_BODY, "object");
+  scene.object = find_id(m, mjOBJ_BODY, kObject);
   scene.object_position = m.jnt_qposadr[m.body_jntadr[scene.object]];
   scene.second = mj_name2id(&m, mjOBJ_GEOM, kSecond);
   if (scene.second < 0) return;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/plausible.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "simulation/hand/warnings.hpp"
 #include "simulation/world/drawn_errors.hpp"
@@ -173,8 +174,9 @@ void World::observe(StepObserver observer) { impl_->hand.observe(std::move(obser
 bool World::diverged() const {
   const mjData& data = *impl_->data;
   const auto warned = [&](int kind) { return data.warning[kind].number > 0; };
+  const auto positions = Eigen::VectorXd::Map(data.qpos, impl_->scene.model->nq);
   return warned(mjWARN_BADQPOS) || warned(mjWARN_BADQVEL) || warned(mjWARN_BADQACC) ||
-         !Eigen::VectorXd::Map(data.qpos, impl_->scene.model->nq).allFinite();
+         !positions.allFinite() || positions.cwiseAbs().maxCoeff() > kMaxLength;
 }
 
 std::string_view simulator_version() { return mj_versionString(); }

@@ -20,8 +20,8 @@ struct HandNotes {
   std::string thumb;    ///< name of the finger that closes against the others
   std::string tip_shape = "capsule";  ///< or "hull": of boxes and meshes, not a capsule fitted
   std::string closing;  ///< joints that close the fingers; "-joint" closes towards its lower limit
-  double max_torque = 0;  ///< N m, of every joint; 0: the file's
-  bool has_mount = false;
+  double max_torque = 0;   ///< N m, of every joint; 0: the file's, where plausible
+  bool has_mount = false;  ///< implied by a pose below that is not zero
   Eigen::Vector3d mount_xyz = Eigen::Vector3d::Zero();  ///< of the root in the mount's frame, m
   Eigen::Vector3d mount_rpy = Eigen::Vector3d::Zero();  ///< roll, pitch and yaw of it, deg
 
@@ -37,7 +37,7 @@ struct HandNotes {
     v("closing", closing, "joints that close the fingers; -JOINT closes towards its lower limit");
     v("max_torque", max_torque, 0, 100,
       "N m, torque limit of every joint; 0: the limits in the model");
-    v("mount.given", has_mount, "use the pose below; else it is derived");
+    v("mount.given", has_mount, "use the pose below even if it is zero; else it is derived");
     v("mount.x", mount_xyz.x(), -2, 2, "m, x of the root in the mount's frame");
     v("mount.y", mount_xyz.y(), -2, 2, "m, y of the root in the mount's frame");
     v("mount.z", mount_xyz.z(), -2, 2, "m, z of the root in the mount's frame");
@@ -65,7 +65,8 @@ struct DescribedHand {
 /// Fingers are the chains of hinges below the palm, fingertips the last body of each that can
 /// collide. Its surface is its capsule or sphere, else the convex hull of what collides. Hinges
 /// that an equality or a mimic ties to another one follow it. Every other hinge gets a position
-/// servo; where the file has none, by a rule: 300 N/m at the fingertip, critically damped.
+/// servo; where the file has none, by a rule: 300 N/m at the fingertip, critically damped. Torque
+/// limits that press with more than 110 N are lowered to 18 N.
 /// @throws BadInput for a file that cannot be used, with what to do about it
 DescribedHand describe_hand(const std::filesystem::path& file, const HandNotes& notes = {});
 

@@ -104,7 +104,8 @@ class World {
   /// Calls the observer after every step of the physics from now on; an empty one ends that.
   void observe(StepObserver observer);
 
-  /// True when the simulation has become unstable since the last reset; readings then mean nothing.
+  /// True when the simulation has become unstable since the last reset, or something in it is
+  /// farther away than a recording holds (kMaxLength); readings then mean nothing.
   bool diverged() const;
 
  private:

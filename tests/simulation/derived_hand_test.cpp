@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/error_message.hpp"
+#include "hand_files.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "palpate/simulation/hand/describe_hand.hpp"
+#include "palpate/simulation/hand/load_hand.hpp"
+
+namespace palpate::simulation {
+namespace {
+
+DescribedHand described(const std::string& name, const std::string& text,
+                        const HandNotes& notes = {}) {
+  return describe_hand(write_hand(name, text), notes);
+}
+
+/// The hand of two fingers and a thumb, with more after its bodies.
+DescribedHand hand_with(const std::string& more, const HandNotes& notes = {}) {
+  return described("hand.xml", replaced(kHandMjcf, "</worldbody>", "</worldbody>" + more), notes);
+}
+
+std::string why_not(const std::string& more, const HandNotes& notes = {}) {
+  return error_message([&] { hand_with(more, notes); });
+}
+
+const hand::Actuator& actuator(const DescribedHand& described, const std::string& name) {
+  const hand::Description& hand = described.hand;
+  return hand.actuators[static_cast<std::size_t>(hand.actuator(name))];
+}
+
+bool says(const std::vector<std::string>& texts, const std::string& part) {
+  return std::ranges::any_of(
+      texts, [&](const auto& text) { return text.find(part) != std::string::npos; });
+}
+
+bool reports(const DescribedHand& described, const std::string& part) {
+  return std::ranges::any_of(described.problems, [&](const HandProblem& problem) {
+    return (problem.what + ": " + problem.hint).find(part) != std::string::npos;
+  });
+}
+
+std::string with_effort(const std::string& effort) {
+  std::string text = kHandUrdf;
+  while (text.find("effort=\"2\"") != std::string::npos) {
+    text = replaced(text, "effort=\"2\"", "effort=\"" + effort + "\"");
+  }
+  return text;
+}
+
+TEST(TorqueLimit, OneThatNoFingerHasIsLowered) {
+  const auto result = described("effort.urdf", with_effort("1000"));
+  for (const hand::Actuator& one : result.hand.actuators) {
+    EXPECT_NEAR(one.max_torque / one.lever, 18, 1e-9) << one.name;
+  }
+  EXPECT_TRUE(says(result.guesses, "torque limits of 1000 N m would press with"));
+}
+
+TEST(TorqueLimit, TheUsersIsKept) {
+  HandNotes notes;
+  notes.max_torque = 50;
+  const auto result = described("effort.urdf", with_effort("1000"), notes);
+  for (const hand::Actuator& one : result.hand.actuators) EXPECT_EQ(one.max_torque, 50);
+  EXPECT_FALSE(says(result.guesses, "torque limits"));
+}
+
+TEST(TorqueLimit, APlausibleOneIsKept) {
+  const auto result = described("effort.urdf", with_effort("3"));
+  for (const hand::Actuator& one : result.hand.actuators) EXPECT_EQ(one.max_torque, 3);
+}
+
+struct Drive {
+  const char* text;
+  double torque;
+};
+
+TEST(TorqueLimit, ComesFromForceRangeGainAndGear) {
+  for (const auto& [text, torque] : std::initializer_list<Drive>{
+           {"<motor joint='index_1' gear='0.35' ctrlrange='-1 1'/>", 0.35},
+           {"<motor joint='index_1' gear='2' ctrlrange='-1 1' forcerange='-0.2 0.2'/>", 0.4},
+           {"<position joint='index_1' gear='20' kp='0.01' forcerange='-0.03 0.03'/>", 0.6},
+           {"<general joint='index_1' gainprm='0.4' biastype='none' ctrlrange='-1 1'/>", 0.4},
+           {"<position jointinparent='index_1' kp='3' forcerange='-0.7 0.7'/>", 0.7},
+           {"<position tendon='pull' kp='3' forcerange='-0.8 0.8'/>", 0.4},
+           {"<position joint='index_1' kp='3' ctrlrange='0 1.6'/>", 1.0}}) {
+    const auto result =
+        hand_with(fmt::format("<tendon><fixed name='pull'><joint joint='index_1' coef='-0.5'/>"
+                              "</fixed></tendon><actuator>{}</actuator>",
+                              text));
+    EXPECT_NEAR(actuator(result, "index_1").max_torque, torque, 1e-12) << text;
+  }
+}
+
+TEST(JointRange, ThatOfTheCommandsWhereTheJointHasNone) {
+  const auto text = replaced(replaced(kHandMjcf, " range=\"0 1.4\"", ""), "</worldbody>",
+                             "</worldbody><actuator><position joint='index_2' kp='3' gear='2' "
+                             "ctrlrange='-0.4 2'/></actuator>");
+  const auto result = described("unlimited.xml", text);
+  EXPECT_NEAR(actuator(result, "index_2").command.low, -0.2, 1e-12);
+  EXPECT_NEAR(actuator(result, "index_2").command.high, 1, 1e-12);
+  EXPECT_TRUE(reports(result, "the commands of its actuator"));
+}
+
+/// The index and the ring finger on a part of the palm.
+std::string knuckles(const std::string& joint) {
+  const auto text = replaced(kHandMjcf, "<body name=\"index_base\"",
+                             "<body name=\"knuckles\">" + joint +
+                                 "<geom type=\"box\" size=\"0.005 0.03 0.005\" pos=\"0.03 0 0\"/>"
+                                 "<body name=\"index_base\"");
+  return replaced(text, "<body name=\"thumb_base\"", "</body><body name=\"thumb_base\"");
+}
+
+TEST(Fingers, APalmInTwoPartsLosesNone) {
+  for (const std::string joint : {"", "<joint name=\"fold\" axis=\"1 0 0\" range=\"0 0.5\"/>"}) {
+    const auto result = described("knuckles.xml", knuckles(joint));
+    ASSERT_EQ(result.hand.finger_count(), 3);
+    EXPECT_EQ(result.hand.fingers[1].name, "ring");
+    EXPECT_EQ(result.hand.thumb, 2);
+    EXPECT_EQ(actuator(result, "ring_1").finger, 1);
+    if (!joint.empty()) {
+      EXPECT_EQ(actuator(result, "fold").finger, -1);
+    }
+    EXPECT_FALSE(reports(result, "belong to no finger"));
+  }
+}
+
+TEST(Fingers, SaysWhichJointsMoveNone) {
+  const auto text = replaced(kHandMjcf, "<body name=\"index_base\"",
+                             "<body name=\"ear\"><joint name=\"ear_1\" range=\"0 1\"/>"
+                             "<geom size=\"0.01\" contype=\"0\" conaffinity=\"0\"/></body>"
+                             "<body name=\"index_base\"");
+  EXPECT_TRUE(reports(described("ear.xml", text), "joints ear_1 belong to no finger"));
+}
+
+TEST(Fingers, OneDriveForAllIsRefused) {
+  const std::string ring =
+      "<joint joint1='ring_1' joint2='index_1'/><joint joint1='ring_2' joint2='index_1'/>";
+  const auto two =
+      replaced(kHandMjcf, "</worldbody>", "</worldbody><equality>" + ring + "</equality>");
+  const auto& guesses = described("two.xml", two).guesses;
+  EXPECT_TRUE(
+      std::ranges::count(guesses, "finger ring is moved only by the drive of finger index"));
+  EXPECT_NE(why_not("<equality>" + ring +
+                    "<joint joint1='index_2' joint2='index_1'/>"
+                    "<joint joint1='thumb_1' joint2='index_1'/>"
+                    "<joint joint1='thumb_2' joint2='index_1'/></equality>")
+                .find("a hand with one drive for all its fingers is not supported"),
+            std::string::npos);
+}
+
+TEST(Fingers, TipsThatAreNoneAreRefused) {
+  const auto why = [](const char* tips) {
+    HandNotes notes;
+    notes.tips = tips;
+    return why_not("", notes);
+  };
+  EXPECT_NE(why("index_tip,index_tip,thumb_tip").find("tips names index_tip twice"),
+            std::string::npos);
+  EXPECT_NE(why("palm,index_tip").find("no joint moves palm"), std::string::npos);
+  EXPECT_NE(why("index_tip,index_base").find("are of one finger"), std::string::npos);
+}
+
+/// Two fingers that point up and bend inwards, far beyond the middle.
+std::string gripper() {
+  std::string text =
+      "<mujoco><worldbody><body name='base'><geom type='cylinder' size='0.04 0.03' "
+      "pos='0 0 -0.03'/>";
+  for (const auto& [name, x, turn] :
+       {std::tuple("left", 0.045, 180), std::tuple("right", -0.045, 0)}) {
+    text += fmt::format(
+        "<body name='{0}_1' pos='{1} 0 0' euler='0 0 {2}'><joint name='{0}_a' axis='0 1 0' "
+        "range='-20 70'/><geom type='capsule' size='0.008' fromto='0 0 0.01 0 0 0.05'/>"
+        "<body name='{0}_2' pos='0 0 0.062'><joint name='{0}_b' axis='0 1 0' range='-20 70'/>"
+        "<geom type='capsule' size='0.008' fromto='0 0 0.008 0 0 0.034'/></body></body>",
+        name, x, turn);
+  }
+  return text + "</body></worldbody></mujoco>";
+}
+
+TEST(Mount, FingersThatBendInwardsPointDown) {
+  const auto result = described("gripper.xml", gripper());
+  EXPECT_TRUE(says(result.guesses, "the fingers point down"));
+  const hand::Description& hand = result.hand;
+  const auto T = hand::forward_kinematics(hand, hand::JointVector::Zero(hand.joint_count()));
+  for (const hand::Finger& finger : hand.fingers) {
+    const double tip = (T[static_cast<std::size_t>(finger.link)] * finger.tip.b).z();
+    EXPECT_NEAR(T[static_cast<std::size_t>(hand.palm)].translation().z() - tip, 0.096, 0.005);
+  }
+}
+
+TEST(Mount, AGivenPoseNeedsNoMoreThanItself) {
+  HandNotes notes;
+  notes.mount_xyz.z() = 0.09;
+  const auto result = hand_with("", notes);
+  EXPECT_EQ(result.hand.file.T_mount_root.translation(), Eigen::Vector3d(0, 0, 0.09));
+}
+
+TEST(FingerNames, AreCutAtSeparatorsOnly) {
+  const auto result = described("gripper.xml", gripper());
+  EXPECT_EQ(result.hand.fingers[0].name, "left");
+  EXPECT_EQ(result.hand.fingers[1].name, "right");
+}
+
+TEST(Followers, ALeaderGoesNoFartherThanTheyCan) {
+  const auto result = hand_with(
+      "<equality><joint joint1='index_2' joint2='index_1' polycoef='0 2 0 0 0'/></equality>");
+  EXPECT_NEAR(actuator(result, "index_1").command.high, 0.7, 1e-12);
+  EXPECT_TRUE(says(result.guesses, "index_1 moves from 0.00 to 0.70 rad"));
+}
+
+TEST(Followers, ALockedJointIsNotFree) {
+  const auto result =
+      hand_with("<equality><joint joint1='thumb_1' polycoef='0.3 0 0 0 0'/></equality>");
+  const hand::Description& hand = result.hand;
+  ASSERT_EQ(hand.actuator_count(), 5);
+  for (const double position : {0.0, 1.0}) {
+    const auto joints =
+        hand::joints_in_free_flexion(hand, hand::ActuatorVector::Constant(5, position));
+    EXPECT_EQ(joints[hand.joint("thumb_1")], 0.3);
+  }
+  EXPECT_TRUE(says(result.guesses, "joint thumb_1 is locked at 0.30 rad"));
+}
+
+TEST(Followers, TheJointWithTheActuatorLeads) {
+  const std::string tie =
+      "<equality><joint joint1='index_1' joint2='index_2' polycoef='0.1 0.5 0 0 0'/></equality>";
+  EXPECT_EQ(actuator(hand_with(tie), "index_2").joints.size(), 2U);
+  const auto result = hand_with(tie + "<actuator><motor joint='index_1'/></actuator>");
+  const hand::Actuator& one = actuator(result, "index_1");
+  ASSERT_EQ(one.joints.size(), 2U);
+  EXPECT_NEAR(one.joints[1].share, 2, 1e-12);
+  EXPECT_NEAR(one.joints[1].offset, -0.2, 1e-12);
+}
+
+TEST(Followers, AJointMayBeTheFirstOfTwoEqualities) {
+  const auto result = hand_with(
+      "<equality><joint joint1='index_1' joint2='index_2'/>"
+      "<joint joint1='index_1' joint2='ring_2'/></equality>");
+  EXPECT_EQ(result.hand.actuator_count(), 4);
+  EXPECT_EQ(actuator(result, "index_1").joints.size(), 3U);
+}
+
+TEST(Slides, AreRefusedWithTheWayOut) {
+  const auto text =
+      replaced(kHandMjcf, "<body name=\"palm\">",
+               "<body name=\"rail\"><geom size=\"0.01\" pos=\"0 0 0.2\"/><body name=\"palm\">"
+               "<joint name=\"lift\" type=\"slide\" range=\"0 1\"/>");
+  const auto why = error_message(
+      [&] { described("rail.xml", replaced(text, "</worldbody>", "</body></worldbody>")); });
+  EXPECT_NE(why.find("joint lift is a slide, and sliding joints are not supported"), why.npos);
+  EXPECT_NE(why.find("root = \"palm\" in a TOML file"), why.npos);
+}
+
+TEST(Notes, ErrorsNameTheirFile) {
+  write_hand("hand.xml", kHandMjcf);
+  const auto file = write_hand("notes.toml", "model = \"hand.xml\"\nthumb = \"daumen\"\n").string();
+  EXPECT_NE(error_message([&] { (void)load_hand(file); }).find("notes.toml"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::simulation
