@@ -67,7 +67,9 @@ class Describer {
     read_fingers(*model, anatomy);
     report_joints(*model, anatomy);
     add_drives(*model);
-    guess(led_fingers(hand(), finger_of_joint_));
+    if (std::string led = led_fingers(hand(), finger_of_joint_); !led.empty()) {
+      problem(std::move(led), "it cannot press by itself, and grasps may not hold");
+    }
     measure(anatomy, *model);
     check_size(hand());
     choose_thumb(*model);
