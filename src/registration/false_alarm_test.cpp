@@ -131,7 +131,7 @@ double FalseAlarmTest::quick(const Eigen::Isometry3d& T) {
     BackgroundModel all_alike = background;
     const double uniform = expected(all_alike, score, copies);
     if (!(uniform < kClearAtOnce)) return uniform;
-    const double by_count = expected(all_alike, counted_alone(score), copies);
+    const double by_count = expected_on_grid(all_alike, score, copies);
     if (!(by_count < kClearAtOnce) && is_on_grid(radius_of(score))) return by_count;
     all_alike.rate *= crowding(T, score);
     return expected(all_alike, score, copies);
@@ -171,10 +171,14 @@ double FalseAlarmTest::radius_of(const Score& score) const {
   return matching_radius(model_.dimensions, score.count - score.gain, score.count);
 }
 
-/// As if the residuals were uniform within the bound, so that their number alone is evidence.
-Score FalseAlarmTest::counted_alone(Score score) const {
+/// The number of the inliers alone is evidence: by a bound for grids, or as if the residuals were
+/// uniform within the noise bound.
+double FalseAlarmTest::expected_on_grid(const BackgroundModel& background, Score score,
+                                        double copies) const {
   score.gain = score.count - matching_squares(model_.dimensions, 1, score.count);
-  return score;
+  return std::min(
+      expected(background, score, copies),
+      grid_false_alarms(background.pairs / copies, background.rate / copies, score.count));
 }
 
 /// Lengths between points on a grid agree exactly or not at all, and so do the pairs at the poses
@@ -265,7 +269,7 @@ double FalseAlarmTest::estimate(const Eigen::Isometry3d& T, Effort effort, doubl
   const auto [score, copies] = evidence(T);
   if (score.count <= 3) return number_of_false_alarms(model_, 0, score.count);
   if (is_on_grid(radius_of(score))) {
-    return expected(all_alike(T), counted_alone(score), copies);
+    return expected_on_grid(all_alike(T), score, copies);
   }
   // Of few pairs, all and at more poses.
   const int sources = std::min(effort.sources, scorer_.size() - 1);

@@ -96,7 +96,7 @@ class FalseAlarmTest {
   double expected(BackgroundModel background, const Score& score, double copies) const;
   double crowding(const Eigen::Isometry3d& T, const Score& score);
   BackgroundModel all_alike(const Eigen::Isometry3d& T) const;
-  Score counted_alone(Score score) const;
+  double expected_on_grid(const BackgroundModel& background, Score score, double copies) const;
   bool is_on_grid(double radius) const;
   double radius_of(const Score& score) const;
   const std::vector<ThinAxes>& axes();

@@ -60,6 +60,16 @@ double number_of_false_alarms(const BackgroundModel& model, double squares, int 
   return std::exp(std::min(log_poses + log_sets, 700.0));
 }
 
+double grid_false_alarms(double pairs, double rate, int count) {
+  const double n = pairs, k = count, mean = std::max(1.0, rate);
+  if (k <= 3 || k <= mean) return std::numeric_limits<double>::infinity();
+  const double log_poses = 2 * std::log(n * (n - 1) * (n - 2)) - std::log(k * (k - 1) * (k - 2));
+  // The first term of the tail and a geometric series that bounds the others.
+  const double log_tail =
+      -mean + k * std::log(mean) - std::lgamma(k + 1) - std::log1p(-mean / (k + 1));
+  return std::exp(std::min(log_poses + log_tail, 700.0));
+}
+
 double sign_test(int more, int fewer) {
   if (more <= fewer) return 1;
   const double all = more + fewer;

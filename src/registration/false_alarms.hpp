@@ -52,6 +52,15 @@ double matching_squares(int dimensions, double radius, int count);
 ///        an inertia that is not finite
 double number_of_false_alarms(const BackgroundModel& model, double squares, int count);
 
+/// An upper bound where the points are on a grid, whose poses meet points exactly or not at all:
+///
+///   (n)_3^2 / (k)_3  P(X >= k),  X ~ Poisson(max(1, rate)),  (n)_3 = n (n - 1) (n - 2).
+///
+/// A pose that brings k of n points onto points is that of (k)_3 pairs of triples, of which there
+/// are (n)_3^2; at such a pose, so many of the points' other pairings agree.
+/// @param rate  pairs of all that agree at the pose if the same points are paired otherwise
+double grid_false_alarms(double pairs, double rate, int count);
+
 /// Probability that of more + fewer pairs, each of which agrees with one of two poses alone and
 /// with either alike, at least `more` agree with the first: the sign test (Dixon & Mood 1946) by
 /// Chernoff's bound, 1 unless more > fewer.
