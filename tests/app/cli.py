@@ -91,6 +91,21 @@ class CliTest(unittest.TestCase):
         self.assertEqual(self.contents(), before, arguments)
 
 
+class PickTest(CliTest):
+    """Tests that share one pick of a box, in the folder `run`."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.kept = CliTest("run_program")
+        cls.kept.setUp()
+        cls.addClassCleanup(cls.kept.doCleanups)
+        cls.kept.run_json("pick", "--object", "box", "--seed", "7", "--out", "run", *QUICK)
+
+    def setUp(self):
+        super().setUp()
+        self.folder, self.cache = self.kept.folder, self.kept.cache
+
+
 def main():
     """Takes the program from the command line and runs the tests of the calling script."""
     global PROGRAM

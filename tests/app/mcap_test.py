@@ -7,7 +7,7 @@ import pathlib
 import shutil
 import unittest
 
-from cli import BAD_INPUT, QUICK, USAGE, CliTest, main
+from cli import BAD_INPUT, USAGE, PickTest, main
 
 try:
     import mcap.reader
@@ -31,20 +31,16 @@ def stamp(message):
 
 
 @unittest.skipUnless(mcap, "requirements/ros2.txt is not installed; ./dev test tries to")
-class Export(CliTest):
+class Export(PickTest):
     @classmethod
     def setUpClass(cls):
-        """One pick, and what all tests ask of its export."""
-        cls.kept = cls("run_program")
-        cls.kept.setUp()
-        cls.addClassCleanup(cls.kept.doCleanups)
-        cls.kept.run_json("pick", "--object", "box", "--seed", "7", "--out", "run", *QUICK)
+        """What all tests ask of the pick's export."""
+        super().setUpClass()
         cls.report = cls.kept.run_json("export", "mcap", "run/recording.h5", "--out", "box.mcap")
         cls.replayed = cls.kept.run_json("replay", "run/recording.h5")
 
     def setUp(self):
         super().setUp()
-        self.folder, self.cache = self.kept.folder, self.kept.cache
         self.path = self.folder / "box.mcap"
 
     def decoded(self, path, topics=None, last=None):

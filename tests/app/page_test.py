@@ -7,7 +7,7 @@ import struct
 import unittest
 
 import browser
-from cli import QUICK, CliTest, main
+from cli import PickTest, main
 
 MARK = '<script type="application/json" id="recording">'
 STILL = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
@@ -18,18 +18,8 @@ def packed(values, kind="f"):
 
 
 @unittest.skipUnless(browser.PROGRAM, "Chromium is not installed (Debian: chromium)")
-class Page(CliTest):
-    @classmethod
-    def setUpClass(cls):
-        """One pick, whose page has its recording replaced."""
-        cls.kept = cls("run_program")
-        cls.kept.setUp()
-        cls.addClassCleanup(cls.kept.doCleanups)
-        cls.kept.run_json("pick", "--object", "box", "--seed", "7", "--out", "run", *QUICK)
-
-    def setUp(self):
-        super().setUp()
-        self.folder, self.cache = self.kept.folder, self.kept.cache
+class Page(PickTest):
+    """The pick's page has its recording replaced."""
 
     def moving_page(self, beliefs, estimates, touched, let_go=()):
         """Ten frames, 0.1 s apart, in which the palm moves along x by 10 mm each.
