@@ -81,7 +81,7 @@ export class Panel {
         make(
           'div',
           { className: 'row' },
-          make('span', { className: 'finger' }, name),
+          make('span', { className: 'finger', title: name }, name),
           make('span', { className: 'meter' }, bar),
           text,
         ),

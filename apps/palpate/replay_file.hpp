@@ -9,7 +9,7 @@
 
 namespace palpate::app {
 
-/// Whether two hands have the same links in the same places.
+/// Whether two hands have the same links, each in its place but for errors of calibration.
 bool same_links(const hand::Description& a, const hand::Description& b);
 
 /// The hand of a recording as its own file describes it now.

@@ -1,26 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
 #include "palpate/simulation/hand/load_hand.hpp"
+#include "simulation/hand/geom_mesh.hpp"
 #include "simulation/hand/hand_model.hpp"
 #include "simulation/hand/hand_spec.hpp"
 
 namespace palpate::simulation {
 namespace {
 
-bool is_drawn(const mjModel& model, int geom) {
+bool is_visual(const mjModel& model, int geom) {
   return model.geom_type[geom] == mjGEOM_MESH && model.geom_contype[geom] == 0;
 }
 
-geometry::TriangleMesh read_mesh(const mjModel& model, int mesh) {
-  geometry::TriangleMesh result;
-  const float* const vertices = model.mesh_vert + 3 * model.mesh_vertadr[mesh];
-  for (int i = 0; i < model.mesh_vertnum[mesh]; ++i) {
-    result.vertices.push_back(Eigen::Vector3f(vertices + 3 * i).cast<double>());
-  }
-  const int* const faces = model.mesh_face + 3 * model.mesh_faceadr[mesh];
-  for (int i = 0; i < model.mesh_facenum[mesh]; ++i) {
-    result.triangles.push_back({faces[3 * i], faces[3 * i + 1], faces[3 * i + 2]});
-  }
-  return result;
+/// The meshes that are only there to be seen, or, in a file without any, all shapes.
+std::vector<int> drawn_geoms(const mjModel& model) {
+  std::vector<int> all(static_cast<std::size_t>(model.ngeom));
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<int> visual;
+  std::ranges::copy_if(all, std::back_inserter(visual),
+                       [&](int geom) { return is_visual(model, geom); });
+  return visual.empty() ? all : visual;
+}
+
+std::string name_of_mesh(const mjModel& model, int geom) {
+  if (model.geom_type[geom] != mjGEOM_MESH) return fmt::format("geom {}", geom);
+  return mj_id2name(&model, mjOBJ_MESH, model.geom_dataid[geom]);
 }
 
 Eigen::Vector3d color_of(const mjModel& model, int geom) {
@@ -37,11 +47,13 @@ hand::HandVisuals load_hand_visuals(const hand::Description& hand) {
   const ModelHandle model = compile(*spec);
   const auto links = links_of_bodies(*model, find_id(*model, mjOBJ_BODY, hand.file.root));
   hand::HandVisuals visuals;
-  for (int geom = 0; geom < model->ngeom; ++geom) {
-    if (!is_drawn(*model, geom)) continue;
-    const int mesh = model->geom_dataid[geom];
-    const std::string name = mj_id2name(model.get(), mjOBJ_MESH, mesh);
-    if (!visuals.meshes.contains(name)) visuals.meshes[name] = read_mesh(*model, mesh);
+  for (const int geom : drawn_geoms(*model)) {
+    const std::string name = name_of_mesh(*model, geom);
+    if (!visuals.meshes.contains(name)) {
+      auto mesh = geom_mesh(*model, geom);
+      if (mesh.triangles.empty()) continue;
+      visuals.meshes[name] = std::move(mesh);
+    }
     visuals.parts.push_back(
         {.link = links[static_cast<std::size_t>(model->geom_bodyid[geom])],
          .mesh = name,
