@@ -92,6 +92,8 @@ int estimate(const Ros2Arguments& arguments) {
                  {"refused", node_report.refused},
                  {"poses", node_report.poses},
                  {"estimates", node_report.estimates},
+                 {"failed_estimates", node_report.failed},
+                 {"last_failure", node_report.last_failure},
                  {"commands", node_report.commands}});
   print_report(arguments, report);
   return kDone;
@@ -137,9 +139,14 @@ nlohmann::json pick_json(const skills::PickResult& picked, const skills::Executo
     modes.push_back({{"T_world_object", to_json(mode.T_frame_object)}, {"weight", mode.weight}});
   }
   auto faults = nlohmann::json::array();
-  if (picked.fault) {
-    faults.push_back({{"name", to_string(picked.fault.fault)}, {"detail", picked.fault.detail}});
-  }
+  const auto add = [&](const skills::FaultReport& fault, bool stopped) {
+    faults.push_back({{"name", to_string(fault.fault)},
+                      {"detail", fault.detail},
+                      {"time", fault.time},
+                      {"stopped", stopped}});
+  };
+  for (const skills::FaultReport& fault : picked.survived) add(fault, false);
+  if (picked.fault) add(picked.fault, true);
   return {{"status", picked.fault  ? "fault"
                      : picked.held ? "ok"
                                    : "failed"},

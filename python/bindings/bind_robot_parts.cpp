@@ -62,8 +62,8 @@ void bind_arm_reading(nb::module_& module) {
           nb::sig("def __init__(self, base: BasePosition, base_force: numpy.typing.ArrayLike) -> "
                   "None"),
           "base: measured, of the hand's mount in the world; base_force (3,), world axes: force "
-          "on the mount beyond what the empty hand needs at rest, N.\n\nRaises ValueError for "
-          "other shapes.")
+          "of the arm on the hand beyond what holds the empty hand at rest, N, up when something "
+          "hangs in it.\n\nRaises ValueError for other shapes.")
       .def_ro("base", &ArmReading::base, "Of the hand's mount in the world.")
       .def_ro("base_force", &ArmReading::force, nb::rv_policy::copy, "(3,), world axes, N.")
       .def("__repr__", [](const ArmReading& self) {

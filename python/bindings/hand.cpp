@@ -127,8 +127,9 @@ void bind_reading(nb::module_& module) {
                   "list[list[TipContact]]) -> None"),
           "time, s; joints (J,), rad; torques (A,) of the actuators, N m; the measured base: "
           "base_xyz (3,), m, base_ypr (3,): yaw, pitch, roll, rad; base_force (3,), world axes: "
-          "what the base's drives exert beyond what the empty hand needs, N; contacts: a list for "
-          "each finger. J, A and the number of fingers are the hand's, in the order of its "
+          "force of the arm on the hand beyond what holds the empty hand at rest, N, up when "
+          "something hangs in it; contacts: a list for each finger. J, A and the number of fingers "
+          "are the hand's, in the order of its "
           "description.\n\nRaises ValueError for other shapes.")
       .def_ro("time", &HandReading::time, "s.")
       .def_prop_ro(

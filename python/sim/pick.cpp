@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -45,7 +46,21 @@ struct Robot {
   DescribedHand& hand;
   PythonArm* arm = nullptr;
   std::vector<PythonSensor*> sensors;
+  nb::object stop_drives = nb::none();
 };
+
+/// Calls what the user gave, from any thread; what it raises is printed.
+std::function<void()> stopper(const Robot& robot) {
+  if (robot.stop_drives.is_none()) return {};
+  return [&robot] {
+    const nb::gil_scoped_acquire hold;
+    try {
+      robot.stop_drives();
+    } catch (nb::python_error& error) {
+      error.discard_as_unraisable("stop_drives");
+    }
+  };
+}
 
 std::vector<Raised*> raised_of(const Robot& robot) {
   std::vector<Raised*> all;
@@ -121,6 +136,7 @@ PickResult pick_with(const Robot& parts, SharedModel model, const TrialOptions& 
   for (Raised* const one : raised_of(parts)) one->first = {};
   PickResult result;
   result.model = std::move(model);
+  const std::function<void()> stop_drives = stopper(parts);
   {
     const nb::gil_scoped_release release;
     const auto target = target_of(result.model->object(), options, seed);
@@ -129,7 +145,8 @@ PickResult pick_with(const Robot& parts, SharedModel model, const TrialOptions& 
                              {options.safety.watchdog, options.safety.max_gap});
     const hand::Description& description = parts.hand.description();
     const hand::HandCommand first = start ? *start : evaluation::waiting_command(description);
-    skills::Executor robot(hand, description, first, {}, &models, {options.safety, {}});
+    skills::Executor robot(hand, description, first, {}, &models,
+                           {options.safety, {}, stop_drives});
     run(robot, options, target, seed, result);
     result.events = evaluation::trial_events(robot.log());
     result.robot_seconds = robot.time();
@@ -170,14 +187,18 @@ std::string place_text(nb::handle place) {
 
 PickResult pick(nb::object object, nb::object hand, std::uint64_t seed, const nb::dict& settings,
                 const std::optional<hand::HandCommand>& start, PythonArm* arm,
-                std::vector<PythonSensor*> sensors, nb::object place) {
+                std::vector<PythonSensor*> sensors, nb::object place, nb::object stop_drives) {
   TrialOptions options = trial_options(settings);
+  if (is_given(stop_drives) && !PyCallable_Check(stop_drives.ptr())) {
+    throw nb::type_error("stop_drives is no function");
+  }
   if (is_given(place)) options.place.target = place_text(place);
   SharedModel model = object_from(std::move(object));
   if (nb::isinstance<DescribedHand>(hand)) {
     check_written(hand);
-    return pick_with({nb::cast<DescribedHand&>(hand), arm, std::move(sensors)}, std::move(model),
-                     options, start, seed);
+    return pick_with(
+        {nb::cast<DescribedHand&>(hand), arm, std::move(sensors), std::move(stop_drives)},
+        std::move(model), options, start, seed);
   }
   std::filesystem::path name;
   if (!nb::try_cast(hand, name)) {
@@ -191,6 +212,9 @@ PickResult pick(nb::object object, nb::object hand, std::uint64_t seed, const nb
         "simulated",
         name.string()));
   }
+  if (is_given(stop_drives)) {
+    throw BadInput("stop_drives needs a palpate.Hand of your own: a simulated one has no drives");
+  }
   options.world.hand = name.string();
   return pick_in_simulation(std::move(model), options, seed);
 }
@@ -202,14 +226,15 @@ void bind_pick(nb::module_& module) {
   module.def(
       "pick", &pick, "object"_a = "mug", "hand"_a = "shadow", nb::kw_only(), "seed"_a = 0,
       "options"_a = nb::dict(), "start"_a = nb::none(), "arm"_a = nb::none(),
-      "sensors"_a = nb::list(), "place"_a = nb::none(),
+      "sensors"_a = nb::list(), "place"_a = nb::none(), "stop_drives"_a = nb::none(),
       nb::sig(
           "def pick(object: str | os.PathLike | palpate._core.ObjectModel = 'mug', hand: str | "
           "os.PathLike | "
           "palpate._core.Hand = 'shadow', *, seed: int = 0, options: dict[str, object] = {}, "
           "start: palpate._core.HandCommand | None = None, arm: palpate._core.Arm | None = None, "
           "sensors: collections.abc.Sequence[palpate._core.Sensor] = [], place: str | "
-          "numpy.typing.ArrayLike | None = None) -> PickResult"),
+          "numpy.typing.ArrayLike | None = None, stop_drives: collections.abc.Callable[[], "
+          "object] | None = None) -> PickResult"),
       "Calibrates the hand, probes the height, explores, grasps, lifts, and estimates the pose, by "
       "touch alone.\n\nobject: a "
       "name, a mesh file in metres, or a model; it is within 2 cm of the world's origin, on a "
@@ -220,8 +245,10 @@ void bind_pick(nb::module_& module) {
       "{'lift.height': "
       "0.15}. place: where the object is put down afterwards: a pose (4, 4) of its frame in the "
       "world, (3,) x, y (m) and yaw (rad) standing as it is found, 'random', 'fixture' or, in "
-      "simulation, 'stable_pose'.\n\nWhat fails as expected is in the result; so is a fault of the "
-      "robot. Raises "
+      "simulation, 'stable_pose'. stop_drives: stops the drives of a hand of your own by other "
+      "means than step(); called at every fault, and from another thread while step() takes longer "
+      "than options={'safety.watchdog': SECONDS}.\n\nWhat fails as expected is in the result; so "
+      "is a fault of the robot. Raises "
       "ValueError for what there is not, and values out of their range; KeyboardInterrupt once "
       "the hand has been stopped in a safe state.");
 }

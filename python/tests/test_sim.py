@@ -147,6 +147,28 @@ class PickInSimulation(unittest.TestCase):
         self.assertEqual(result.fault, "silent")
         self.assertIn("0.5 s", result.fault_detail)
 
+    def test_drives_are_stopped_at_a_fault_and_where_a_step_hangs(self):
+        stopped = threading.Event()
+
+        def hang(reading):
+            self.assertTrue(stopped.wait(60))
+            return reading
+
+        def fail(reading):
+            raise ConnectionError("the bus is gone")
+
+        for what, fault in ((fail, "exception"), (hang, "silent")):
+            stopped.clear()
+            result = sim.pick(self.model, Failing(self.world().hand, what), seed=3,
+                              options={**QUICK, "safety.watchdog": 2.0},
+                              stop_drives=stopped.set)  # fmt: skip
+            self.assertEqual(result.fault, fault)
+            self.assertTrue(stopped.is_set())
+        with self.assertRaisesRegex(ValueError, "a palpate.Hand of your own"):
+            sim.pick("box", "shadow", stop_drives=stopped.set)
+        with self.assertRaisesRegex(TypeError, "stop_drives is no function"):
+            sim.pick(self.model, self.world().hand, stop_drives=7)
+
     def test_a_hand_that_is_not_finished_is_refused(self):
         class Nothing(palpate.Hand):
             pass

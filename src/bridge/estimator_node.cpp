@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/bridge/estimator_node.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <deque>
+#include <exception>
 #include <future>
 #include <optional>
 #include <utility>
 
 #include "bridge/stream_readers.hpp"
 #include "bridge/wall_clock.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/geometry/mesh/mesh.hpp"
 #include "palpate/ros2/cdr.hpp"
 
@@ -27,20 +31,28 @@ struct Pending {
   std::future<estimation::HeldPoseEstimate> result;
 };
 
+/// @throws BadInput unless it is known where the hand's parts are
+const hand::Description& with_links(const hand::Description& hand) {
+  if (!hand.links.empty()) return hand;
+  throw BadInput(fmt::format("the hand {:?} has no links", hand.name));
+}
+
 ros2::DiagnosticStatus diagnosis(const ros2::StreamCounts& counts, std::uint64_t readings_before,
-                                 std::string_view hand, const std::string& refused) {
+                                 const NodeReport& report, std::string_view hand,
+                                 const std::string& refused) {
   ros2::DiagnosticStatus status;
   const bool silent = counts.readings == readings_before;
-  const bool faulty =
-      counts.malformed + counts.out_of_order + counts.gaps + counts.incomplete + counts.restarts >
-          0 ||
-      !refused.empty();
+  const bool faulty = counts.malformed + counts.out_of_order + counts.gaps + counts.incomplete +
+                              counts.restarts + report.failed >
+                          0 ||
+                      !refused.empty();
   status.level = silent   ? ros2::DiagnosticStatus::kStale
                  : faulty ? ros2::DiagnosticStatus::kWarn
                           : ros2::DiagnosticStatus::kOk;
   status.name = "palpate: readings";
   status.hardware_id = hand;
   status.message = silent ? "no readings" : counts.last_error;
+  if (report.failed > 0 && status.message.empty()) status.message = report.last_failure;
   if (!refused.empty()) status.message = "senders that are best effort: " + refused;
   const auto add = [&](const char* key, std::uint64_t value) {
     status.values.push_back({key, std::to_string(value)});
@@ -52,6 +64,7 @@ ros2::DiagnosticStatus diagnosis(const ros2::StreamCounts& counts, std::uint64_t
   add("gaps", counts.gaps);
   add("incomplete", counts.incomplete);
   add("restarts", counts.restarts);
+  add("failed_estimates", report.failed);
   return status;
 }
 
@@ -82,7 +95,7 @@ struct EstimatorNode::Impl {
        const ros2::RobotInterface& named, const estimation::HeldPoseOptions& options,
        std::uint64_t seed)
       : participant(at),
-        hand(described),
+        hand(with_links(described)),
         interface(named),
         bounds(geometry::bounds(object.object().mesh)),
         stream(described, named),
@@ -121,8 +134,19 @@ struct EstimatorNode::Impl {
       reader.take([&](std::string_view cdr, std::uint64_t now) {
         ++report.messages;
         const auto reading = stream.take(reader.topic(), reader.type(), cdr, now);
-        if (reading && running) update(*reading);
+        if (reading && running) guarded([&] { update(*reading); });
       });
+    }
+  }
+
+  /// Readings that no estimate can be made of are counted, and do not end the node.
+  template <class Work>
+  void guarded(const Work& work) {
+    try {
+      work();
+    } catch (const std::exception& error) {
+      ++report.failed;
+      report.last_failure = error.what();
     }
   }
 
@@ -146,11 +170,16 @@ struct EstimatorNode::Impl {
   void finish_estimate() {
     using namespace std::chrono_literals;
     if (!pending || pending->result.wait_for(0s) != std::future_status::ready) return;
-    estimation::HeldPoseEstimate estimate = pending->result.get();
-    const auto messages =
-        ros2::messages_of(estimate.posterior, estimate.contacts, bounds, interface, pending->time);
-    follower.accept(pending->task, std::move(estimate));
+    Pending done = std::move(*pending);
     pending.reset();
+    guarded([&] { publish(std::move(done)); });
+  }
+
+  void publish(Pending done) {
+    estimation::HeldPoseEstimate estimate = done.result.get();
+    const auto messages =
+        ros2::messages_of(estimate.posterior, estimate.contacts, bounds, interface, done.time);
+    follower.accept(done.task, std::move(estimate));
     modes.write(messages.modes);
     weights.write(messages.weights);
     status.write(messages.status);
@@ -163,9 +192,9 @@ struct EstimatorNode::Impl {
     const std::uint64_t now = wall_clock();
     if (now < diagnosed_at + kSecond) return false;
     diagnosed_at = now;
-    diagnostics.write(
-        {{ros2::stamp_of(now), ""},
-         {diagnosis(stream.counts(), readings_before, hand.name, refused_topics(readers))}});
+    diagnostics.write({{ros2::stamp_of(now), ""},
+                       {diagnosis(stream.counts(), readings_before, report, hand.name,
+                                  refused_topics(readers))}});
     readings_before = stream.counts().readings;
     return true;
   }

@@ -51,6 +51,10 @@ HandCommands::Effect HandCommands::take_joints(std::string_view cdr) {
           plausible(positions[i], -kMaxAngle, kMaxAngle, "a position");
     }
     const std::uint64_t stamp = ros2::nanoseconds_of(trajectory.header.stamp);
+    if (stamp == 0) {
+      command_.positions = target;
+      return Effect::step;
+    }
     if (joints_at_ && stamp < *joints_at_) return Effect::none;  // late
     joints_at_ = stamp;
     if (stamp > done_) command_.positions = target;
@@ -61,8 +65,17 @@ HandCommands::Effect HandCommands::take_joints(std::string_view cdr) {
 HandCommands::Effect HandCommands::take_mount(std::string_view cdr) {
   return guarded([&] {
     const auto target = ros2::deserialize<ros2::PoseStamped>(cdr);
+    const std::string& frame = target.header.frame_id;
+    if (!frame.empty() && frame != world_) {
+      throw BadInput(fmt::format("a target in the frame {:?}, not {:?}", frame, world_));
+    }
     const Eigen::Isometry3d T_world_mount = ros2::transform_of(target.pose);
     const std::uint64_t stamp = ros2::nanoseconds_of(target.header.stamp);
+    if (stamp == 0) {
+      command_.base = hand::nearest_base(T_world_mount, command_.base);
+      new_positions_ = new_mount_ = false;
+      return Effect::step;
+    }
     if (mount_at_ && stamp < *mount_at_) return Effect::none;
     mount_at_ = stamp;
     new_mount_ = true;

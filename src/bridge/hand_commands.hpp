@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "palpate/bridge/hand_peer.hpp"
 #include "palpate/ros2/messages/geometry_msgs.hpp"
@@ -19,10 +21,12 @@ class HandCommands {
     repeat,  ///< one that has been there before
   };
 
-  HandCommands(const hand::Description& hand, hand::HandCommand start)
-      : hand_(hand), command_(std::move(start)) {}
+  /// @param world  frame of the mount's targets
+  HandCommands(const hand::Description& hand, hand::HandCommand start, std::string world = "world")
+      : hand_(hand), command_(std::move(start)), world_(std::move(world)) {}
 
-  /// Each counts what cannot be used as malformed, and changes nothing then.
+  /// Each counts what cannot be used as malformed, and changes nothing then. A stamp of zero is the
+  /// time of arrival: the message is a command of its own.
   Effect take_joints(std::string_view cdr);
   Effect take_mount(std::string_view cdr);
   Effect take_positions(std::string_view cdr);
@@ -38,6 +42,7 @@ class HandCommands {
 
   const hand::Description& hand_;
   hand::HandCommand command_;
+  std::string world_;
   std::optional<std::uint64_t> joints_at_, mount_at_;  ///< stamps of the latest, ns
   std::uint64_t done_ = 0;                             ///< stamp of the latest whole command
   std::uint64_t malformed_ = 0;

@@ -92,7 +92,7 @@ HandServer::~HandServer() = default;
 
 void HandServer::run(const hand::HandCommand& start, const std::stop_token& stop) {
   Impl& impl = *impl_;
-  HandCommands commands(impl.description, start);
+  HandCommands commands(impl.description, start, impl.interface.world);
   hand::HandReading last = impl.tick(start);
   auto next = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {

@@ -8,6 +8,7 @@
 #include "bridge/wall_clock.hpp"
 #include "palpate/bridge/hand_peer.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/nearest_base.hpp"
 #include "palpate/ros2/messages/std_msgs.hpp"
 #include "palpate/ros2/messages/trajectory_msgs.hpp"
@@ -17,11 +18,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kMatchPoll = 0.02;  // s after which it is seen again who listens
+constexpr double kMatchPoll = 0.02;     // s after which it is seen again who listens
+constexpr double kElsewhere = 0.05;     // m of the mount from where it is said to stand
+constexpr double kBentOtherwise = 0.6;  // rad of an actuator
 constexpr double kSettle = 0.25;  // s between first commands, and in which first readings come in
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+bool is_elsewhere(const hand::Description& hand, const hand::HandReading& reading,
+                  const hand::HandCommand& command) {
+  const hand::ActuatorVector positions = hand::actuator_positions(hand, reading.joints);
+  return (reading.base.xyz - command.base.xyz).norm() > kElsewhere ||
+         (positions - command.positions).cwiseAbs().maxCoeff() > kBentOtherwise;
 }
 
 struct JointMessage {
@@ -45,6 +55,7 @@ struct RemoteHand::Impl {
   std::optional<hand::HandReading> last;
   std::uint64_t stamp = wall_clock();  // of commands: later than those of any before
   std::uint64_t received = 0, repeats = 0;
+  bool silent = false;  // the last step has waited in vain
 
   Impl(Participant& at, const hand::Description& described, const ros2::RobotInterface& named,
        const CommandTopics& topics, const RemoteHandOptions& chosen)
@@ -82,6 +93,13 @@ struct RemoteHand::Impl {
     point.time_from_start = {0, static_cast<std::uint32_t>(1e9 * hand::kTick)};
     trajectory.points.push_back(point);
     return trajectory;
+  }
+
+  /// The reading of a hand that does not stand where it is to be commanded: the first command would
+  /// make it jump, and is kept back. Nothing of one that reports only when it is commanded.
+  std::optional<hand::HandReading> elsewhere(const hand::HandCommand& command) {
+    auto reading = await(std::min(kSettle, options.connect));
+    return reading && is_elsewhere(hand, *reading, command) ? reading : std::nullopt;
   }
 
   /// Positions have no stamp, by which a command that comes twice were known: they are sent when
@@ -144,14 +162,24 @@ struct RemoteHand::Impl {
   std::optional<hand::HandReading> await(double timeout) {
     const auto start = Clock::now();
     std::optional<Clock::time_point> incomplete;
-    while (seconds_since(start) < timeout) {
+    while (seconds_since(start) < timeout || incomplete) {
       participant.wait(incomplete ? options.patience : timeout);
       receive();
       const bool patient = !incomplete || seconds_since(*incomplete) < options.patience;
       if (auto reading = latest(patient)) return reading;
-      if (!waiting.empty() && !incomplete) incomplete = Clock::now();
+      if (waiting.empty()) {
+        incomplete.reset();
+      } else if (!incomplete) {
+        incomplete = Clock::now();
+      }
     }
     return std::nullopt;
+  }
+
+  /// s that a step waits: a tick where the hand fell silent before, so that it is stopped in time.
+  double patience_of_step() const {
+    if (!last) return kSettle;
+    return silent ? std::min(options.timeout, hand::kTick) : options.timeout;
   }
 
   /// The newest reading of those that still come. A hand that waits for commands reports where it
@@ -178,10 +206,14 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
   const auto start = Clock::now();
   if (impl.last) {
     impl.send(command);
+  } else if (auto standing = impl.elsewhere(command)) {
+    impl.last = std::move(*standing);
+    impl.last->base = hand::nearest_base(impl.last->base.pose(), command.base);
+    return *impl.last;
   } else {
     impl.send_first(command);
   }
-  auto reading = impl.await(impl.last ? impl.options.timeout : kSettle);
+  auto reading = impl.await(impl.patience_of_step());
   while (!reading && !impl.last && seconds_since(start) < impl.options.connect) {
     impl.send_again(command);  // what was sent before the peers found each other is lost
     reading = impl.await(kSettle);
@@ -195,6 +227,7 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
                     impl.stream.counts().malformed, impl.stream.counts().last_error,
                     refused.empty() ? "" : "; senders that are best effort: " + refused));
   }
+  impl.silent = !reading;
   if (!reading) {
     ++impl.repeats;
     impl.send_again(command);

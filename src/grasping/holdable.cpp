@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "palpate/core/error.hpp"
 #include "palpate/core/gravity.hpp"
 #include "palpate/geometry/mesh/sampling.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
@@ -22,6 +23,7 @@ constexpr double kInside = 1e-5;       // m below the surface, where the way thr
 constexpr double kFar = 10;            // m
 constexpr double kNarrow = 0.5;        // of the opening: what is narrower is not too wide
 constexpr double kNoBalance = 1;       // cost of a grasp whose forces balance nothing
+constexpr double kBalance = 0.5;       // of one that is held by pressing harder
 constexpr double kRare = 0.01;         // probability of a stable pose that is not looked at
 constexpr double kRoughest = 1;        // friction of a fingertip on anything
 constexpr double kClosingRate = 1;     // rad/s; any has its path
@@ -64,25 +66,37 @@ bool sideways_in_any(const geometry::KnownObject& object, const Eigen::Vector3d&
 }
 
 /// Whether some grasp from above holds it in a stable pose, even though badly.
+/// @param press  N of all fingertips together
+/// @param most  of its cost
 bool has_grasp(const geometry::ObjectModel& object, const geometry::StablePose& stable_pose,
-               const hand::Description& hand) {
+               const hand::Description& hand, double press, double most) {
   Eigen::Isometry3d T_table_object(stable_pose.R_table_object);
   T_table_object.translation().z() = stable_pose.height;
   const hand::Preshape& preshape = hand.postures.top;
   const auto path =
       closing_trajectory(hand, preshape.open, ClosingLaw(hand, kClosingRate, preshape.closed));
-  return std::any_of(preshape.attitudes.begin(), preshape.attitudes.end(),
-                     [&](const hand::Attitude& attitude) {
-                       const auto plan = plan_grasp(object, T_table_object, path, attitude, {});
-                       return plan && plan->cost < kNoBalance;
-                     });
+  GraspPlanOptions options;
+  options.press = press;
+  return std::any_of(
+      preshape.attitudes.begin(), preshape.attitudes.end(), [&](const hand::Attitude& attitude) {
+        const auto plan = plan_grasp(object, T_table_object, path, attitude, options);
+        return plan && plan->cost < most;
+      });
 }
 
-bool has_grasp(const geometry::ObjectModel& object, const hand::Description& hand) {
+bool has_grasp(const geometry::ObjectModel& object, const hand::Description& hand, double press,
+               double most) {
   const auto& stable_poses = object.object().stable_poses;
   return std::any_of(stable_poses.begin(), stable_poses.end(), [&](const auto& stable_pose) {
-    return stable_pose.probability > kRare && has_grasp(object, stable_pose, hand);
+    return stable_pose.probability > kRare && has_grasp(object, stable_pose, hand, press, most);
   });
+}
+
+/// What is heavy needs to be pressed harder than a plan assumes by itself.
+bool has_grasp(const geometry::ObjectModel& object, const hand::Description& hand, double press) {
+  const double usual = GraspPlanOptions{}.press;
+  return has_grasp(object, hand, usual, kNoBalance) ||
+         (press > usual && has_grasp(object, hand, press, kBalance));
 }
 
 }  // namespace
@@ -112,14 +126,19 @@ double min_width(const geometry::KnownObject& object) {
   return least;
 }
 
-std::string why_not_holdable(const geometry::ObjectModel& object, const hand::Description& hand) {
-  const double weight = object.object().mass * kGravity, press = greatest_press(hand);
-  if (weight > kRoughest * press) {
+std::string why_not_holdable(const geometry::ObjectModel& object, const hand::Description& hand,
+                             double press) {
+  if (hand.links.empty()) {
+    throw BadInput(
+        fmt::format("the hand {:?} has no links, so that its grasps are not known", hand.name));
+  }
+  const double weight = object.object().mass * kGravity, most = greatest_press(hand);
+  if (weight > kRoughest * most) {
     return fmt::format("too heavy: it weighs {:.1f} N, and the fingers press with {:.0f} N", weight,
-                       press);
+                       most);
   }
   const double width = min_width(object.object()), open = opening(hand);
-  if (width > kNarrow * open && !has_grasp(object, hand)) {
+  if (width > kNarrow * open && !has_grasp(object, hand, std::min(press, most))) {
     return fmt::format("too wide: {:.0f} mm across at least, and the hand opens {:.0f} mm",
                        1e3 * width, 1e3 * open);
   }

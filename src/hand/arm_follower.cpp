@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kLargestStretch = 10;  // beyond it a way passes a singularity
 constexpr double kTurn = 2 * std::numbers::pi;
+constexpr int kFreedoms = 6;  // of the mount
 
 /// Of the tour, m: heights of the mount and how far it is from the middle.
 constexpr double kHigh = 0.3, kLow = 0.12, kAside = 0.1;
@@ -75,6 +76,14 @@ class Stretch {
   ArmVector last_;
 };
 
+/// Why no branch of the inverse kinematics can be taken.
+std::string why_not(const ArmDescription& arm, std::size_t branches, const std::string& collides) {
+  if (branches > 0) return fmt::format("{} in each of {} solutions found", collides, branches);
+  if (arm.joint_count() >= kFreedoms) return "the inverse kinematics has no solution";
+  return fmt::format("the inverse kinematics has no solution, and {} joints are fewer than {}",
+                     arm.joint_count(), kFreedoms);
+}
+
 void append_line(std::vector<BasePosition>& way, const BasePosition& to) {
   const BasePosition from = way.back();
   const double turn = (to.ypr - from.ypr).cwiseAbs().maxCoeff();
@@ -91,15 +100,20 @@ const ArmVector& ArmFollower::reset(const Eigen::Isometry3d& T_world_mount,
                                     std::span<const BasePosition> tour) {
   std::size_t most = 0;
   bool any = false;
-  for (const ArmVector& branch : inverse_kinematics_branches(arm_, T_world_mount)) {
-    if (!arm_collision(arm_, branch).empty()) continue;
+  std::string collides;  // in the first branch that does
+  const std::vector<ArmVector> branches = inverse_kinematics_branches(arm_, T_world_mount);
+  for (const ArmVector& branch : branches) {
+    const std::string meets = arm_collision(arm_, branch);
+    if (collides.empty()) collides = meets;
+    if (!meets.empty()) continue;
     const std::size_t length = followed(branch, tour);
     if (any && length <= most) continue;
     any = true, most = length, joints_ = branch;
   }
   if (!any) {
-    throw BadInput(fmt::format("the arm {} cannot hold the hand {}", arm_.name,
-                               place_text(BasePosition::at(T_world_mount))));
+    throw BadInput(fmt::format("the arm {} cannot hold the hand {}: {}", arm_.name,
+                               place_text(BasePosition::at(T_world_mount)),
+                               why_not(arm_, branches.size(), collides)));
   }
   wanted_ = joints_;
   speeds_.setZero(joints_.size());
@@ -135,7 +149,7 @@ PathFeasibility ArmFollower::check_path(std::span<const BasePosition> way) const
   PathFeasibility result;
   ArmVector joints = wanted_;
   Stretch stretch(arm_);
-  const std::string collides = arm_collision(arm_, joints);  // before it moves: may be left
+  std::string collides = arm_collision(arm_, joints);  // before it moves: may be left
   for (const BasePosition& base : way) {
     const auto next = inverse_kinematics(arm_, base.pose(), joints);
     if (!next) {
@@ -149,7 +163,8 @@ PathFeasibility ArmFollower::check_path(std::span<const BasePosition> way) const
     }
     joints = *next;
     const std::string meets = arm_collision(arm_, joints);
-    if (!meets.empty() && collides.empty()) {
+    if (meets.empty()) collides.clear();
+    if (meets != collides) {
       result.obstacle = fmt::format("{} {}", meets, place_text(base));
       return result;
     }

@@ -40,7 +40,6 @@ HandReading AssembledHand::step(const HandCommand& command) {
 }
 
 void AssembledHand::step_parts(const HandCommand& command) {
-  fresh_ = true;
   if (arm_) ask(arm_part_, [&] { arm_->move(command.base); });
   HandReading reading = reading_;
   ask(fingers_part_, [&] { reading = fingers_.step(command); });
@@ -86,14 +85,23 @@ void AssembledHand::read_sensor(std::size_t index) {
 void AssembledHand::note_newer(Part& part, bool newer) {
   part.known = part.known || newer;
   part.missed = newer ? 0 : part.missed + 1;
-  fresh_ = fresh_ && newer;
+  part.newer = part.newer || newer;
   if (part.missed * kTick < limits_.gap) return;
   throw LateAnswer(fmt::format("{}: no new reading for {:.2f} s", part.name, part.missed * kTick));
 }
 
-/// The time stays where a part gave nothing newer: the executor then counts the reading as late.
+/// Whether all parts have given something newer since this was last so.
+bool AssembledHand::take_newer() {
+  const bool arm = !arm_ || arm_part_.newer;
+  if (!arm || !std::ranges::all_of(sensor_parts_, &Part::newer)) return false;
+  arm_part_.newer = false;
+  for (Part& part : sensor_parts_) part.newer = false;
+  return true;
+}
+
+/// While the time stays the executor counts the reading as late.
 void AssembledHand::assemble(HandReading&& reading) {
-  if (!fresh_) reading.time = reading_.time;
+  if (!take_newer()) reading.time = reading_.time;
   if (arm_) {
     reading.base = mount_.base;
     reading.base_force = mount_.force;

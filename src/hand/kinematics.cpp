@@ -10,7 +10,9 @@
 namespace palpate::hand {
 
 int whole_ticks(double seconds) {
-  return std::max(1, static_cast<int>(std::lround(seconds / kTick)));
+  constexpr double kMost = 1e9;
+  const double ticks = std::round(seconds / kTick);
+  return ticks >= 1 ? static_cast<int>(std::min(ticks, kMost)) : 1;
 }
 
 Eigen::Isometry3d BasePosition::pose() const {

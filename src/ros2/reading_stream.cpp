@@ -9,6 +9,7 @@
 
 #include "palpate/core/plausible.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/hand/tip_forces.hpp"
 #include "palpate/ros2/cdr.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "palpate/tactile/sensors/intrinsic_contact.hpp"
@@ -189,6 +190,10 @@ void ReadingStream::take_contacts(std::size_t finger, const PointCloud2& cloud,
         fmt::format("contacts in the frame {:?}, not {:?}", cloud.header.frame_id, frame));
   }
   auto contacts = ros2::contacts_of(cloud);
+  for (const hand::TipContact& contact : contacts) {
+    const double off = hand::distance_from_tip(contact.p, hand_.fingers[finger]);
+    plausible(off, 0, hand::kTipReach, "the distance of a contact from its fingertip");
+  }
   TipContacts& sensed = tip_contacts_[finger];
   if (!is_later(time_of(cloud.header, received), sensed.time)) return;
   ++counts_.contacts;

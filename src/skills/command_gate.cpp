@@ -23,6 +23,11 @@ double largest_step(double speed, double max_speed, double max_acceleration) {
          std::min(max_speed, speed + max_acceleration * hand::kTick);
 }
 
+/// The speed with which a step along `way` begins: to stop is allowed at once, to turn back is not.
+double speed_along(const Eigen::Vector3d& velocity, const Eigen::Vector3d& way) {
+  return velocity.dot(way) < 0 ? 0 : velocity.norm();
+}
+
 /// `to`, or the point on the way there that is as far from `from` as a step may be.
 Eigen::Vector3d limited(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double step) {
   const double way = (to - from).norm();
@@ -98,14 +103,14 @@ hand::HandCommand CommandGate::limited(const hand::HandCommand& wanted) {
 void CommandGate::limit_base(hand::BasePosition& base) {
   const double reach = base.xyz.norm();
   if (reach > options_.workspace) base.xyz *= options_.workspace / reach;
-  base.xyz =
-      skills::limited(last_.base.xyz, base.xyz,
-                      largest_step(slide_speed_, options_.base_speed, options_.base_acceleration));
-  base.ypr =
-      skills::limited(last_.base.ypr, base.ypr,
-                      largest_step(turn_speed_, options_.turn_speed, options_.turn_acceleration));
-  slide_speed_ = (base.xyz - last_.base.xyz).norm() / hand::kTick;
-  turn_speed_ = (base.ypr - last_.base.ypr).norm() / hand::kTick;
+  const double slide = speed_along(slide_, base.xyz - last_.base.xyz);
+  const double turn = speed_along(turn_, base.ypr - last_.base.ypr);
+  base.xyz = skills::limited(last_.base.xyz, base.xyz,
+                             largest_step(slide, options_.base_speed, options_.base_acceleration));
+  base.ypr = skills::limited(last_.base.ypr, base.ypr,
+                             largest_step(turn, options_.turn_speed, options_.turn_acceleration));
+  slide_ = (base.xyz - last_.base.xyz) / hand::kTick;
+  turn_ = (base.ypr - last_.base.ypr) / hand::kTick;
 }
 
 void CommandGate::limit_fingers(hand::ActuatorVector& positions) {

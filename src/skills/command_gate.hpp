@@ -34,7 +34,8 @@ class SpeedProfile {
 
 /// Lets through what the hand may be commanded: targets within the actuators' ranges and the
 /// workspace that are no farther from those before than speed and acceleration allow. To stop or to
-/// slow down is always allowed at once.
+/// slow down is always allowed at once; a mount that turns back starts from rest. A finger, whose
+/// torque is limited, may turn back at the speed that it had.
 class CommandGate {
  public:
   CommandGate(const std::vector<hand::Actuator>& actuators, const hand::HandCommand& start,
@@ -57,7 +58,7 @@ class CommandGate {
   std::vector<hand::Actuator> actuators_;
   SafetyOptions options_;
   hand::HandCommand last_;
-  double slide_speed_ = 0, turn_speed_ = 0;  // of the last command
+  Eigen::Vector3d slide_ = Eigen::Vector3d::Zero(), turn_ = slide_;  // m/s, rad/s, of the last
   hand::ActuatorVector finger_speeds_;
   std::size_t changed_ = 0;
 };

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -24,35 +26,16 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kLeverArm = 0.2;  // m: what a turn of 1 rad counts as a way of the hand
 constexpr int kSteadyReadings = 10, kSteadyWindows = 10;  // that are averaged; at most
 constexpr double kSteadyLoad = 0.15;                      // N between two windows
-constexpr double kMaxDrift = 3;     // N that a sensor's error may have changed by; more is a load
-constexpr int kCheckedSteps = 100;  // of a way that is asked about
-constexpr int kEasingTicks = 30;    // in which a stopped hand gives way
+constexpr double kMaxDrift = 3;   // N that a sensor's error may have changed by; more is a load
+constexpr int kEasingTicks = 30;  // in which a stopped hand gives way
 
 /// Whether an attitude is stated in other turns than the command's: arms give angles from -pi to
 /// pi.
 bool is_turned_round(const hand::BasePosition& read, const hand::BasePosition& command) {
   return read.ypr.allFinite() &&
          (read.ypr - command.ypr).cwiseAbs().maxCoeff() > std::numbers::pi / 2;
-}
-
-/// s that the way takes at a speed (m/s).
-double seconds_of(const hand::BasePosition& from, const hand::BasePosition& target, double speed) {
-  const double turn = kLeverArm * (target.ypr - from.ypr).cwiseAbs().maxCoeff();
-  return std::max((target.xyz - from.xyz).norm(), turn) / speed;
-}
-
-/// A tick after the other.
-std::vector<hand::BasePosition> way_to(const hand::BasePosition& from,
-                                       const hand::BasePosition& target,
-                                       const SpeedProfile& profile) {
-  std::vector<hand::BasePosition> way;
-  for (int i = 1; i <= profile.ticks(); ++i) {
-    way.push_back(between(from, target, profile.share(i)));
-  }
-  return way;
 }
 
 /// Whether the fingers have closed on the object, and not let go of it since.
@@ -67,6 +50,15 @@ bool holds_object(const estimation::EventLog& log) {
     }
   }
   return holds;
+}
+
+/// One call at a time: the watchdog has a thread of its own.
+std::function<void()> one_at_a_time(std::function<void()> call) {
+  if (!call) return call;
+  return [call = std::move(call), mutex = std::make_shared<std::mutex>()] {
+    const std::lock_guard lock(*mutex);
+    call();
+  };
 }
 
 /// What a hand would read that stands where it is commanded and senses nothing.
@@ -93,6 +85,7 @@ Executor::Executor(hand::Hand& hand, const hand::Description& model, const hand:
       readings_(std::make_unique<ReadingGate>(model, safety_.options)),
       commands_(std::make_unique<CommandGate>(model.actuators, start, safety_.options)),
       unsensed_(std::make_unique<UnsensedForce>(model, safety_.options.unsensed_force)) {
+  safety_.stop_drives = one_at_a_time(std::move(safety_.stop_drives));
   const double limit = safety_.options.watchdog;
   if (limit > 0) watchdog_ = std::make_unique<Watchdog>(safety_.stop_drives, limit);
   try {
@@ -209,8 +202,11 @@ bool Executor::read_once() {
   if (watchdog_ && watchdog_->fired()) {
     stop_for(Fault::silent, fmt::format("a step took longer than {} s", safety_.options.watchdog));
   }
-  const ReadingCheck check = readings_->check(reading, {sensed_load_, pause_}, command_);
+  ReadingCheck check = readings_->check(reading, {sensed_load_, pause_}, command_);
   if (check.usable) keep(std::move(reading));
+  if (check.fault == Fault::touch_lost && !survived_.empty()) {
+    check.detail += ": " + survived_.back().detail;
+  }
   if (check.fault != Fault::none) stop_for(check.fault, check.detail);
   return check.usable;
 }
@@ -220,8 +216,9 @@ void Executor::keep(hand::HandReading reading) {
   if (observer_.on_tick) observer_.on_tick(log_.readings.back(), command_);
 }
 
-void Executor::require_running() const {
+void Executor::require_running() {
   if (fault_) throw SafetyStop(fault_);
+  if (hand_failure_) stop_for(Fault::exception, fmt::format("the hand: {}", *hand_failure_));
 }
 
 void Executor::stop_for(Fault fault, std::string detail) {
@@ -233,6 +230,8 @@ void Executor::make_safe(Fault fault, std::string detail) noexcept {
   if (fault_) return;
   fault_ = {fault, std::move(detail), log_.readings.empty() ? 0 : time()};
   grip_.reset();
+  const bool elsewhere = fault == Fault::not_at_start && !log_.readings.empty();
+  command_ = elsewhere ? where_it_is() : commands_->last();
   for (int i = 0; i < kEasingTicks && !log_.readings.empty(); ++i) {
     try {
       ease();
@@ -243,6 +242,11 @@ void Executor::make_safe(Fault fault, std::string detail) noexcept {
     if (safety_.stop_drives) safety_.stop_drives();
   } catch (...) {  // all has been tried
   }
+}
+
+/// A command that moves nothing.
+hand::HandCommand Executor::where_it_is() const {
+  return {hand::actuator_positions(model_, reading().joints), reading().base};
 }
 
 /// One step more, with a reading, so that the base gives way to where it is, not to where it was.
@@ -281,115 +285,5 @@ std::vector<int> Executor::suspects() const {
 
 bool Executor::trusted(int finger) const { return readings_->trusted(finger); }
 std::size_t Executor::limited_commands() const { return commands_->changed(); }
-
-MotionEnd Executor::tick_until(const StopCondition& stop) {
-  tick();
-  if (time() >= deadline_) return MotionEnd::timed_out;
-  return stop && stop(reading()) ? MotionEnd::stopped : MotionEnd::reached;
-}
-
-MotionEnd Executor::wait(double seconds, const StopCondition& stop) {
-  for (int i = hand::whole_ticks(seconds); i > 0; --i) {
-    if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
-  }
-  return MotionEnd::reached;
-}
-
-/// Of a way in the world whose z = 0 is the table.
-hand::PathFeasibility Executor::check_path(std::vector<hand::BasePosition> way) const {
-  for (hand::BasePosition& base : way) base.xyz.z() += table_height_;
-  return hand_.check_path(way);
-}
-
-std::string Executor::obstacle(const hand::BasePosition& target) const {
-  const double reach = target.xyz.norm(), workspace = safety_.options.workspace;
-  if (reach > workspace) {
-    return fmt::format("the mount would be {:.3f} m from the origin, {:.3f} m are allowed", reach,
-                       workspace);
-  }
-  std::vector<hand::BasePosition> way;
-  for (int i = 1; i <= kCheckedSteps; ++i) {
-    way.push_back(between(command_.base, target, static_cast<double>(i) / kCheckedSteps));
-  }
-  return check_path(std::move(way)).obstacle;
-}
-
-MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
-                              const StopCondition& stop) {
-  if (stop) speed = std::min(speed, hand_.mount_limits().guarded_speed);
-  const hand::BasePosition from = command_.base;
-  SpeedProfile profile(seconds_of(from, target, speed));
-  limit_base(target, profile);
-  const hand::PathFeasibility checked = check_path(way_to(from, target, profile));
-  // A guarded move goes as far as it can: what it is to meet may end it before.
-  const bool whole = checked.obstacle.empty();
-  if (!whole && (!stop || checked.feasible == 0)) throw Unreachable(checked.obstacle);
-  const double last = whole ? 1 : profile.share(static_cast<int>(checked.feasible));
-  profile.stretch(checked.stretch);
-  for (int i = 1; i <= profile.ticks() && (whole || profile.share(i) <= last); ++i) {
-    command_.base = between(from, target, profile.share(i));
-    if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
-  }
-  if (!whole) throw Unreachable(checked.obstacle);
-  return MotionEnd::reached;
-}
-
-MotionEnd Executor::follow(std::span<const hand::HandCommand> way, const StopCondition& stop) {
-  std::vector<hand::BasePosition> bases;
-  for (const auto& command : way) bases.push_back(command.base);
-  const hand::PathFeasibility checked = check_path(std::move(bases));
-  if (!checked.obstacle.empty()) throw Unreachable(checked.obstacle);
-  for (const auto& command : way) {
-    command_ = command;
-    if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
-  }
-  return MotionEnd::reached;
-}
-
-MotionEnd Executor::move_fingers(const hand::ActuatorVector& posture, double seconds) {
-  SpeedProfile profile(seconds);
-  limit_fingers(posture, profile);
-  const hand::ActuatorVector from = command_.positions;
-  for (int i = 1; i <= profile.ticks(); ++i) {
-    command_.positions = from + profile.share(i) * (posture - from);
-    if (const auto end = tick_until({}); end != MotionEnd::reached) return end;
-  }
-  return MotionEnd::reached;
-}
-
-MotionEnd Executor::move_hand(const hand::HandCommand& target, double speed, double seconds) {
-  const hand::HandCommand from = command_;
-  SpeedProfile profile(std::max(seconds, seconds_of(from.base, target.base, speed)));
-  limit_base(target.base, profile);
-  limit_fingers(target.positions, profile);
-  const hand::PathFeasibility checked = check_path(way_to(from.base, target.base, profile));
-  if (!checked.obstacle.empty()) throw Unreachable(checked.obstacle);
-  profile.stretch(checked.stretch);
-  for (int i = 1; i <= profile.ticks(); ++i) {
-    command_.base = between(from.base, target.base, profile.share(i));
-    command_.positions = from.positions + profile.share(i) * (target.positions - from.positions);
-    if (const auto end = tick_until({}); end != MotionEnd::reached) return end;
-  }
-  return MotionEnd::reached;
-}
-
-void Executor::limit_base(const hand::BasePosition& target, SpeedProfile& profile) const {
-  const SafetyOptions& limits = safety_.options;
-  const hand::MountLimits gentle = hand_.mount_limits();
-  profile.limit((target.xyz - command_.base.xyz).norm(), limits.base_speed,
-                std::min(limits.base_acceleration, gentle.acceleration));
-  profile.limit((target.ypr - command_.base.ypr).norm(), limits.turn_speed,
-                std::min(limits.turn_acceleration, gentle.turn_acceleration));
-}
-
-void Executor::limit_fingers(const hand::ActuatorVector& posture, SpeedProfile& profile) {
-  const hand::ActuatorVector& from = command_.positions;
-  if (posture.size() != from.size()) {
-    stop_for(Fault::invalid_command, fmt::format("a posture of {} actuators, the hand has {}",
-                                                 posture.size(), from.size()));
-  }
-  profile.limit((posture - from).cwiseAbs().maxCoeff(), safety_.options.finger_speed,
-                safety_.options.finger_acceleration);
-}
 
 }  // namespace palpate::skills

@@ -28,7 +28,7 @@ PhaseEnd run_safely(Phase& phase, Executor& robot, PickState& state) {
   } catch (const SafetyStop& stop) {
     return {false, stop.what()};
   } catch (const Unreachable& error) {
-    return {false, std::string("unreachable: ") + error.what()};
+    return {false, std::string("unreachable: ") + error.what(), true};
   } catch (const std::exception& error) {
     robot.make_safe(Fault::exception, error.what());
     throw;
@@ -70,6 +70,7 @@ PhaseReport run_phase(Phase& phase, Executor& robot, PickState& state) {
                   : end.ok      ? PhaseStatus::ok
                                 : PhaseStatus::failed;
   report.outcome = end.outcome;
+  report.unreachable = end.unreachable;
   report.robot_seconds = robot.time() - start;
   report.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();

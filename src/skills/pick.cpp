@@ -66,20 +66,22 @@ std::string place_obstacle(const Executor& robot, const Eigen::Vector2d& place) 
   return first;
 }
 
-std::string why_not_holdable(const Executor& robot, const geometry::ObjectModel& object) {
+std::string why_not_holdable(const Executor& robot, const GraspOptions& grasp,
+                             const geometry::ObjectModel& object) {
   const double weight = object.object().mass * kGravity, most = kHanging * robot.limits().max_load;
   if (weight > most) {
     return fmt::format("too heavy: it weighs {:.1f} N, and the mount may bear {:.0f} N", weight,
                        most);
   }
-  return grasping::why_not_holdable(object, robot.model());
+  return grasping::why_not_holdable(object, robot.model(), pressure(grasp, object.object()));
 }
 
 /// Why the hand can hold none of the candidates: of the first, that is.
-std::string why_not_holdable(const Executor& robot, const estimation::Candidates& candidates) {
+std::string why_not_holdable(const Executor& robot, const GraspOptions& grasp,
+                             const estimation::Candidates& candidates) {
   std::string first;
   for (const auto* candidate : candidates) {
-    const std::string reason = why_not_holdable(robot, *candidate);
+    const std::string reason = why_not_holdable(robot, grasp, *candidate);
     if (reason.empty()) return {};
     if (first.empty()) first = reason;
   }
@@ -135,11 +137,14 @@ class Picking {
 
  private:
   void run_phases() {
-    if (std::string obstacle = place_obstacle(robot_, state_.place); !obstacle.empty()) {
+    const std::string obstacle = place_obstacle(robot_, state_.place);
+    robot_.require_running();
+    if (!obstacle.empty()) {
       sequence_.run(Refusal("reach", "unreachable: " + obstacle));
       return;
     }
-    if (std::string reason = why_not_holdable(robot_, estimator_.candidates()); !reason.empty()) {
+    std::string reason = why_not_holdable(robot_, options_.grasp, estimator_.candidates());
+    if (!reason.empty()) {
       sequence_.run(Refusal("refuse", std::move(reason)));
       return;
     }

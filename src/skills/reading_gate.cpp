@@ -19,6 +19,8 @@ constexpr double kMountStands = 0.002;  // m within which the mount counts as st
 constexpr double kSoft = 1.2;           // times the lead that gives the torque that is allowed
 constexpr double kOverRange = 2;        // times a fingertip's range, of forces that are believed
 constexpr double kSensedForce = 0.1;    // N at which a fingertip senses something
+constexpr double kLongOff = 4;        // tracking times for which what moves may be off its command
+constexpr double kNormalError = 0.1;  // of the length of a unit normal
 
 bool finite(const hand::HandReading& reading) {
   return reading.joints.allFinite() && reading.torques.allFinite() &&
@@ -31,16 +33,33 @@ bool same(const std::vector<hand::TipContact>& a, const std::vector<hand::TipCon
                     [](const auto& x, const auto& y) { return x.p == y.p && x.f == y.f; });
 }
 
-bool believable(const hand::TipContact& contact, double force_range) {
-  return contact.p.allFinite() && contact.n.allFinite() && contact.f.allFinite() &&
+/// A unit vector, or nothing.
+bool is_normal(const Eigen::Vector3d& n) {
+  return n.isZero(0) || std::abs(n.norm() - 1) <= kNormalError;
+}
+
+bool believable(const hand::TipContact& contact, const hand::Finger& finger,
+                const SafetyOptions& options) {
+  return contact.p.allFinite() && is_normal(contact.n) && contact.f.allFinite() &&
          std::isfinite(contact.point_sigma) && std::isfinite(contact.normal_sigma) &&
-         contact.f.norm() <= kOverRange * force_range;
+         contact.f.norm() <= kOverRange * options.tip_force_range &&
+         hand::distance_from_tip(contact.p, finger) <= options.tip_reach;
+}
+
+double turn_off(const hand::BasePosition& a, const hand::BasePosition& b) {
+  return Eigen::AngleAxisd(a.pose().linear().transpose() * b.pose().linear()).angle();
 }
 
 /// A fingertip that presses harder than its sensor can read touches all the more.
 void limit_force(hand::TipContact& contact, double force_range) {
   const double force = contact.f.norm();
   if (force > force_range) contact.f *= force_range / force;
+}
+
+/// What a driver gives that has not heard of its hand yet.
+bool is_blank(const hand::HandReading& reading) {
+  return reading.joints.isZero(0) && reading.torques.isZero(0) && reading.base.xyz.isZero(0) &&
+         reading.base.ypr.isZero(0);
 }
 
 }  // namespace
@@ -50,7 +69,8 @@ ReadingGate::ReadingGate(const hand::Description& hand, const SafetyOptions& opt
       options_(options),
       rest_positions_(hand::ActuatorVector::Zero(hand.actuator_count())),
       allowed_errors_(rest_positions_),
-      astray_(hand.actuators.size()) {
+      astray_(hand.actuators.size()),
+      off_(hand.actuators.size()) {
   for (int i = 0; i < hand.actuator_count(); ++i) {
     const hand::Actuator& actuator = hand.actuators[static_cast<std::size_t>(i)];
     const double torque = unsensed_torque(actuator, options.unsensed_force);
@@ -104,10 +124,11 @@ ReadingCheck ReadingGate::check(hand::HandReading& reading, const StepReport& st
         check_tracking(reading, command), check_mount(reading, command)}) {
     if (check.fault != Fault::none) return check;
   }
+  const bool first = !last_;
   last_ = reading;
   last_load_ = step.sensed_load;
   last_tick_ = tick_;
-  return {};
+  return first ? check_start(reading, command) : ReadingCheck{};
 }
 
 /// A clock that is not the hand's: its ticks. How far they lead the hand's clock at best is known
@@ -118,6 +139,10 @@ ReadingCheck ReadingGate::check_time(double time, double pause) {
   const bool first = !last_;
   const bool known = std::isfinite(time);
   const bool fresh = known && (first || time > last_->time);
+  if (first) {
+    first_time_ = time;
+    first_now_ = now;
+  }
   if (fresh) lead_ = first ? now - time : std::min(lead_ + kClockDrift * hand::kTick, now - time);
   const double age = known ? now - time - lead_ : 0;
   if (fresh && age <= options_.max_age) {
@@ -131,8 +156,14 @@ ReadingCheck ReadingGate::check_time(double time, double pause) {
   const double allowed = known ? options_.max_gap : hand::kTick * options_.max_bad;
   if (gap < allowed) return {false, Fault::none, {}};
   if (!known) return {false, Fault::not_finite, fmt::format("the time reads {}", time)};
-  if (fresh) return {false, Fault::late, fmt::format("readings are {:.2f} s old", age)};
+  if (fresh) return {false, Fault::late, late_by(age, now, time)};
   return {false, Fault::silent, fmt::format("no new reading for {:.2f} s", gap)};
+}
+
+/// Why readings are late: they come late, or the hand's clock is slower than the ticks.
+std::string ReadingGate::late_by(double age, double now, double time) const {
+  return fmt::format("readings are {:.2f} s old: the hand's clock went on by {:.2f} s in {:.2f} s",
+                     age, time - first_time_, now - first_now_);
 }
 
 ReadingCheck ReadingGate::check_values(const hand::HandReading& reading) {
@@ -212,7 +243,7 @@ ReadingCheck ReadingGate::check_touch(hand::HandReading& reading) {
     last_contacts_[finger] = contacts;
     const bool possible =
         std::all_of(contacts.begin(), contacts.end(), [&](const hand::TipContact& contact) {
-          return believable(contact, options_.tip_force_range);
+          return believable(contact, hand_.fingers[finger], options_);
         });
     const bool ok =
         possible && same_contacts_[finger] < options_.max_repeats && !distrusted_[finger];
@@ -248,33 +279,62 @@ ReadingCheck ReadingGate::check_tracking(const hand::HandReading& reading,
     const auto k = static_cast<std::size_t>(i);
     const double error = command.positions[i] - positions[i];
     const bool stands = std::abs(positions[i] - rest_positions_[i]) < kStandsStill;
-    if (!stands || presses(reading, i) || std::abs(error) < allowed_errors_[i]) {
-      astray_[k] = 0;
-      rest_positions_[i] = positions[i];
-    } else if (hand::kTick * ++astray_[k] >= options_.tracking_time) {
+    const bool follows = presses(reading, i) || std::abs(error) < allowed_errors_[i];
+    off_[k] = follows ? 0 : off_[k] + 1;
+    astray_[k] = follows || !stands ? 0 : astray_[k] + 1;
+    if (astray_[k] == 0) rest_positions_[i] = positions[i];
+    if (const char* const how = astray(astray_[k], off_[k])) {
       return {true, Fault::joint_stuck,
-              fmt::format("{} stands at {:.2f} rad, commanded to {:.2f}",
-                          hand_.actuators[static_cast<std::size_t>(i)].name, positions[i],
-                          command.positions[i])};
+              fmt::format("{} {} at {:.2f} rad, commanded to {:.2f}", hand_.actuators[k].name, how,
+                          positions[i], command.positions[i])};
     }
   }
   return {};
+}
+
+/// How something has been off its command for too many ticks, `still` of them standing still;
+/// nothing where it has not.
+const char* ReadingGate::astray(int still, int off) const {
+  if (hand::kTick * still >= options_.tracking_time) return "stands";
+  return hand::kTick * off >= kLongOff * options_.tracking_time ? "moves" : nullptr;
 }
 
 /// What carries the hand follows its command, too.
 ReadingCheck ReadingGate::check_mount(const hand::HandReading& reading,
                                       const hand::HandCommand& command) {
   const double off = (command.base.xyz - reading.base.xyz).norm();
-  const double turned =
-      Eigen::AngleAxisd(command.base.pose().linear().transpose() * reading.base.pose().linear())
-          .angle();
+  const double turned = turn_off(command.base, reading.base);
   const bool stands = (reading.base.xyz - mount_rest_).norm() < kMountStands;
-  if (!stands || (off < options_.mount_error && turned < options_.tracking_error)) {
-    mount_astray_ = 0;
-    mount_rest_ = reading.base.xyz;
-  } else if (hand::kTick * ++mount_astray_ >= options_.tracking_time) {
-    return {true, Fault::joint_stuck,
-            fmt::format("the mount stands {:.3f} m and {:.2f} rad off its command", off, turned)};
+  const bool follows = off < options_.mount_error && turned < options_.tracking_error;
+  mount_off_ = follows ? 0 : mount_off_ + 1;
+  mount_astray_ = follows || !stands ? 0 : mount_astray_ + 1;
+  if (mount_astray_ == 0) mount_rest_ = reading.base.xyz;
+  const char* const how = astray(mount_astray_, mount_off_);
+  if (!how) return {};
+  return {true, Fault::joint_stuck,
+          fmt::format("the mount {} {:.3f} m and {:.2f} rad off its command", how, off, turned)};
+}
+
+/// The first command is of where the hand is: from elsewhere it would jump there.
+ReadingCheck ReadingGate::check_start(const hand::HandReading& reading,
+                                      const hand::HandCommand& command) const {
+  if (is_blank(reading)) return {};  // whether it stays so is checked later
+  const double off = (command.base.xyz - reading.base.xyz).norm();
+  const double turned = turn_off(command.base, reading.base);
+  if (off >= options_.mount_error || turned >= options_.tracking_error) {
+    return {
+        true, Fault::not_at_start,
+        fmt::format("the mount is {:.3f} m and {:.2f} rad off where it is to start", off, turned)};
+  }
+  const hand::ActuatorVector positions = hand::actuator_positions(hand_, reading.joints);
+  for (int i = 0; i < hand_.actuator_count(); ++i) {
+    const hand::Actuator& actuator = hand_.actuators[static_cast<std::size_t>(i)];
+    const double start =
+        std::clamp(command.positions[i], actuator.command.low, actuator.command.high);
+    if (std::abs(start - positions[i]) < allowed_errors_[i]) continue;
+    return {true, Fault::not_at_start,
+            fmt::format("{} is at {:.2f} rad, and to start at {:.2f}", actuator.name, positions[i],
+                        start)};
   }
   return {};
 }

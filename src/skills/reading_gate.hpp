@@ -44,6 +44,7 @@ class ReadingGate {
 
  private:
   ReadingCheck check_time(double time, double pause);
+  [[nodiscard]] std::string late_by(double age, double now, double time) const;
   ReadingCheck check_values(const hand::HandReading& reading);
   [[nodiscard]] std::string not_finite(const hand::HandReading& reading) const;
   [[nodiscard]] std::string wrong_size(const hand::HandReading& reading) const;
@@ -53,6 +54,9 @@ class ReadingGate {
   ReadingCheck check_touch(hand::HandReading& reading);
   ReadingCheck check_load(const hand::HandReading& reading);
   [[nodiscard]] bool presses(const hand::HandReading& reading, int actuator) const;
+  [[nodiscard]] const char* astray(int still, int off) const;
+  [[nodiscard]] ReadingCheck check_start(const hand::HandReading& reading,
+                                         const hand::HandCommand& command) const;
   ReadingCheck check_tracking(const hand::HandReading& reading, const hand::HandCommand& command);
   ReadingCheck check_mount(const hand::HandReading& reading, const hand::HandCommand& command);
 
@@ -62,6 +66,8 @@ class ReadingGate {
   Eigen::Vector3d last_load_ = Eigen::Vector3d::Zero();  // that was sensed with it
   long tick_ = 0, last_tick_ = 0;  // of this reading, and of the last usable one
   double lead_ = 0;                // s of the ticks before the hand's clock
+  double first_time_ = 0;          // s of the hand's clock, of the first reading
+  double first_now_ = 0;           // s of the ticks, of the same
   int bad_ = 0;                    // readings in a row that hold impossible values
   int same_joints_ = 0, same_torques_ = 0, same_load_ = 0;  // readings that repeat the one before
   int touchless_ = 0;  // readings in a row without a fingertip that can be believed
@@ -73,8 +79,9 @@ class ReadingGate {
   hand::ActuatorVector
       allowed_errors_;       // rad: soft actuators lag behind with the force they may use
   std::vector<int> astray_;  // ticks for which it has, off its command
+  std::vector<int> off_;     // ticks for which it has been off its command, standing or not
   Eigen::Vector3d mount_rest_ = Eigen::Vector3d::Zero();
-  int mount_astray_ = 0;
+  int mount_astray_ = 0, mount_off_ = 0;
 };
 
 }  // namespace palpate::skills

@@ -8,7 +8,7 @@ namespace palpate::skills {
 Watchdog::Watchdog(std::function<void()> stop_drives, double limit)
     : stop_drives_(std::move(stop_drives)),
       limit_(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit))),
-      thread_([this](const std::stop_token& stop) { watch(stop); }) {}
+      thread_([this](const std::stop_token& ended) { watch(ended); }) {}
 
 void Watchdog::begin() {
   const std::lock_guard lock(mutex_);
@@ -21,17 +21,27 @@ void Watchdog::end() {
   deadline_.reset();
 }
 
-void Watchdog::watch(const std::stop_token& stop) {
+/// Whatever is thrown, the executor says that the hand was silent, and eases what still moves.
+void Watchdog::stop() {
+  try {
+    if (stop_drives_) stop_drives_();
+  } catch (...) {
+  }
+}
+
+void Watchdog::watch(const std::stop_token& ended) {
   std::unique_lock lock(mutex_);
-  while (!stop.stop_requested()) {
+  while (!ended.stop_requested()) {
     if (!deadline_) {
-      changed_.wait(lock, stop, [this] { return deadline_.has_value(); });
+      changed_.wait(lock, ended, [this] { return deadline_.has_value(); });
     } else if (const auto deadline = *deadline_; Clock::now() < deadline) {
-      changed_.wait_until(lock, stop, deadline, [&] { return deadline_ != deadline; });
+      changed_.wait_until(lock, ended, deadline, [&] { return deadline_ != deadline; });
     } else {
       deadline_.reset();
       fired_ = true;
-      if (stop_drives_) stop_drives_();
+      lock.unlock();
+      stop();
+      lock.lock();
     }
   }
 }

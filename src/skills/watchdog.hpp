@@ -14,7 +14,7 @@ namespace palpate::skills {
 /// Stops the drives of a hand whose step takes too long by the steady clock.
 class Watchdog {
  public:
-  /// @param stop_drives  called from the watchdog's thread; may be empty
+  /// @param stop_drives  called from the watchdog's thread; may be empty, and may throw
   /// @param limit  s that a step may take
   Watchdog(std::function<void()> stop_drives, double limit);
 
@@ -42,7 +42,8 @@ class Watchdog {
 
   void begin();
   void end();
-  void watch(const std::stop_token& stop);
+  void watch(const std::stop_token& ended);
+  void stop();
 
   std::function<void()> stop_drives_;
   Clock::duration limit_;

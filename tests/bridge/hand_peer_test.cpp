@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/bridge/hand_peer.hpp"
 
+#include <chrono>
 #include <cmath>
 #include <thread>
 #include <vector>
@@ -133,10 +134,31 @@ TEST_F(HandPeer, WhoDiesIsSilentAndIsTakenUpAgain) {
   EXPECT_EQ(silent.time, last.time);
   EXPECT_EQ(silent.torques, last.torques);
   EXPECT_EQ(remote.repeats(), 1U);
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 5; i < 10; ++i) EXPECT_EQ(remote.step(command(i)).time, last.time);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5))
+      << "each has waited as long as the first";
   Served again(there_, hand_, command(0));
   hand::HandReading reading = silent;
-  for (int i = 5; i < 35 && reading.time == last.time; ++i) reading = remote.step(command(i));
+  for (int i = 10; i < 3000 && reading.time == last.time; ++i) reading = remote.step(command(i));
   EXPECT_GT(reading.time, last.time);
+}
+
+/// It reports where it is, whether it is commanded or not.
+TEST_F(HandPeer, AHandThatStandsElsewhereIsNotCommanded) {
+  ObedientHand hand(hand_);
+  HandServer server(there_, hand, hand_, {}, {}, {.real_time = true});
+  std::jthread thread([&](const std::stop_token& stop) { server.run(command(400), stop); });
+  RemoteHand remote(here_, hand_, {}, {}, {.timeout = 20, .patience = 0.5, .connect = 60});
+  // The peers need not have found each other within the time that the first step waits.
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  auto far = command(400);
+  far.base.xyz.x() = 0;
+  far.positions.setZero();  // as its joints stand
+  EXPECT_NEAR(remote.step(far).base.xyz.x(), 0.4, 1e-9);
+  thread.request_stop();
+  thread.join();
+  for (const auto& commanded : hand.commands_) EXPECT_EQ(commanded.base.xyz.x(), 0.4);
 }
 
 TEST_F(HandPeer, WithoutAHandTheFirstStepSaysSo) {
@@ -223,6 +245,27 @@ TEST_F(CommandsTest, WhatCannotBeIsCountedAndChangesNothing) {
   EXPECT_EQ(commands_.take_mount(ros2::serialize(turned)), Effect::none);
   EXPECT_EQ(commands_.malformed(), 6U);
   EXPECT_EQ(commands_.command().positions, hand::resting_command(hand_).positions);
+}
+
+TEST_F(CommandsTest, AStampOfZeroIsTheTimeOfArrival) {
+  EXPECT_EQ(commands_.take_joints(joints(0, 0.25)), Effect::step);
+  EXPECT_EQ(commands_.command().positions[2], 0.25);
+  EXPECT_EQ(commands_.take_mount(mount(0, 0.5)), Effect::step);
+  EXPECT_EQ(commands_.command().base.xyz.x(), 0.5);
+  EXPECT_EQ(commands_.take_joints(joints(0, 0.5)), Effect::step);  // again and again
+  EXPECT_EQ(commands_.command().positions[2], 0.5);
+}
+
+TEST_F(CommandsTest, ATargetOfTheMountInAnotherFrameIsCounted) {
+  ros2::PoseStamped target;
+  target.header = {{1, 0}, "palm"};
+  target.pose.position.x = 0.5;
+  EXPECT_EQ(commands_.take_mount(ros2::serialize(target)), Effect::none);
+  EXPECT_EQ(commands_.malformed(), 1U);
+  EXPECT_EQ(commands_.command().base.xyz.x(), 0);
+  target.header.frame_id = "world";
+  commands_.take_mount(ros2::serialize(target));
+  EXPECT_EQ(commands_.command().base.xyz.x(), 0.5);
 }
 
 }  // namespace

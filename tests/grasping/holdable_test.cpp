@@ -5,7 +5,9 @@
 
 #include <cmath>
 
+#include "palpate/core/error.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
+#include "palpate/skills/grasp/grasp_phase.hpp"
 #include "skills/soft_shadow.hpp"
 
 namespace palpate::grasping {
@@ -17,7 +19,7 @@ geometry::ObjectModel cube(double side, double mass) {
 }
 
 std::string refusal(const geometry::ObjectModel& object) {
-  return why_not_holdable(object, skills::soft_shadow());
+  return why_not_holdable(object, skills::soft_shadow(), skills::pressure({}, object.object()));
 }
 
 TEST(LeastWidth, IsTheThinnestThatAFingerFindsFromTheSide) {
@@ -59,6 +61,19 @@ TEST(WhyNotHoldable, NamesWhatIsTooWide) {
 TEST(WhyNotHoldable, NamesWhatIsTooHeavy) {
   EXPECT_EQ(refusal(cube(0.05, 1.5)), "");
   EXPECT_NE(refusal(cube(0.05, 3.0)).find("too heavy: it weighs 29.4 N"), std::string::npos);
+}
+
+/// What is only heavy is pressed harder, not too wide.
+TEST(WhyNotHoldable, CountsOnThePressOfThePick) {
+  const auto hand = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
+  const auto heavy = cube(0.10, 0.8);
+  EXPECT_NE(why_not_holdable(heavy, hand, 6).find("too wide: 100 mm"), std::string::npos);
+  EXPECT_EQ(why_not_holdable(heavy, hand, skills::pressure({}, heavy.object())), "");
+}
+
+TEST(WhyNotHoldable, NeedsTheHandsLinks) {
+  EXPECT_THROW(static_cast<void>(why_not_holdable(cube(0.05, 0.2), hand::shadow_hand(), 6)),
+               BadInput);
 }
 
 TEST(WhyNotHoldable, RefusesNoBuiltInObject) {

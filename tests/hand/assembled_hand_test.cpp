@@ -184,5 +184,30 @@ TEST(AssembledHand, AFailureToJudgeMovesNothing) {
   EXPECT_EQ(parts.steps, 1);
 }
 
+/// Gives something newer every second tick, at even or odd ones.
+struct SlowSensor : Sensor {
+  explicit SlowSensor(int at) : phase(at) {}
+  std::optional<std::vector<TipContact>> read() override {
+    if (++reads % 2 != phase) return std::nullopt;
+    return std::vector<TipContact>{contact_at(0.01 * reads)};
+  }
+  int phase, reads = 0;
+};
+
+TEST(AssembledHand, SensorsNeedNotBeInStep) {
+  FakeHand fingers;
+  SlowSensor even(0), odd(1);
+  AssembledHand hand(fingers, nullptr, {{&even, 0, "even"}, {&odd, 1, "odd"}});
+  double last = hand.step(command_at(0)).time;
+  int advances = 0;
+  for (int i = 0; i < 20; ++i) {
+    const HandReading reading = hand.step(command_at(0));
+    EXPECT_LE(reading.time - last, 2 * kTick + 1e-9);
+    advances += reading.time > last;
+    last = reading.time;
+  }
+  EXPECT_EQ(advances, 10);
+}
+
 }  // namespace
 }  // namespace palpate::hand

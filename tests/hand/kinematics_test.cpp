@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
@@ -149,6 +150,29 @@ TEST(BasePosition, IsFoundAgainFromItsPose) {
     EXPECT_LT((found.xyz - base.xyz).norm(), 1e-12);
     EXPECT_LT((found.ypr - base.ypr).norm(), 1e-9);
   }
+}
+
+TEST(WholeTicks, AreBounded) {
+  EXPECT_EQ(whole_ticks(1e12), 1'000'000'000);
+  EXPECT_EQ(whole_ticks(std::numeric_limits<double>::infinity()), 1'000'000'000);
+  EXPECT_EQ(whole_ticks(-1e12), 1);
+  EXPECT_EQ(whole_ticks(std::numeric_limits<double>::quiet_NaN()), 1);
+}
+
+TEST(TipForce, OfAContactWithoutANormalIsItsWholeForce) {
+  HandReading reading;
+  reading.contacts = {{{{0, 0, 0}, {0, 0, 0}, {0, 3, 4}}}, {{{0, 0, 0}, {0, 0, 1}, {0, 3, -4}}}};
+  EXPECT_EQ(tip_force(reading, 0), 5);
+  EXPECT_EQ(tip_force(reading, 1), 4);
+  EXPECT_EQ(count_contacts(reading, 4.5), 1);
+}
+
+TEST(DistanceFromTip, IsThatFromTheCapsule) {
+  const Finger finger{.name = "", .link = 2, .tip = {{0, 0, 0}, {0, 0, 0.02}, 0.008}};
+  EXPECT_NEAR(distance_from_tip({0.108, 0, 0.01}, finger), 0.1, 1e-12);
+  EXPECT_NEAR(distance_from_tip({0, 0, 5.028}, finger), 5, 1e-12);
+  EXPECT_EQ(distance_from_tip({0.001, 0, 0.01}, finger), 0);
+  EXPECT_EQ(distance_from_tip({1e200, 0, 0}, Finger{}), 0) << "where the tip is is not known";
 }
 
 }  // namespace

@@ -40,6 +40,19 @@ class StreamTest : public testing::Test {
   }
 };
 
+TEST_F(StreamTest, ContactsFarFromTheirFingertipAreDropped) {
+  reading_.contacts[2] = {{{0.001, 0, 0.01}, {0, 0, 1}, {0, 0, -1}}};
+  const auto near = send_all(kSecond);
+  ASSERT_TRUE(near);
+  EXPECT_EQ(near->contacts[2].size(), 1u);
+  reading_.contacts[2][0].p.x() = 5;
+  const auto far = send_all(kSecond + 500 * kMillisecond);
+  ASSERT_TRUE(far);
+  EXPECT_TRUE(far->contacts[2].empty());
+  EXPECT_EQ(stream_.counts().malformed, 1u);
+  EXPECT_NE(stream_.counts().last_error.find("distance of a contact"), std::string::npos);
+}
+
 TEST_F(StreamTest, AReadingComesBack) {
   RandomStream random(1, "stream");
   reading_ = recording::toy_frame(hand_, 3, random).reading;

@@ -159,5 +159,61 @@ TEST(CalibratePhase, LeavesTheHandWhoseTouchesContradictOneAnother) {
   EXPECT_EQ(tip_error(robot.model(), model), 0);
 }
 
+/// A hand whose driver gives the force of the hand on the arm.
+struct ReversedLoad : hand::Hand {
+  explicit ReversedLoad(hand::Hand& it) : inner(it) {}
+  hand::HandReading step(const hand::HandCommand& command) override {
+    hand::HandReading reading = inner.step(command);
+    reading.base_force = -reading.base_force;
+    return reading;
+  }
+  hand::Hand& inner;
+};
+
+TEST(CalibratePhase, ALoadOfTheWrongSignIsAFault) {
+  Calibrating scene(3);
+  ReversedLoad reversed(scene.world.hand());
+  scene.world.reset(evaluation::draw_start(scene.object, {}, 3),
+                    evaluation::waiting_command(scene.world.hand_model()));
+  Executor robot(reversed, scene.world.hand_model(),
+                 evaluation::waiting_command(scene.world.hand_model()));
+  CalibrateOptions options;
+  options.touches = 5;  // the load is read before each
+  CalibratePhase phase(options);
+  PickState state;
+  EXPECT_EQ(run_phase(phase, robot, state).status, PhaseStatus::fault);
+  EXPECT_EQ(robot.fault().fault, Fault::out_of_range);
+  EXPECT_NE(robot.fault().detail.find("base_force has the wrong sign"), std::string::npos);
+}
+
+TEST(CalibratePhase, AForceOfTheWrongSignIsNamed) {
+  hand::Description model = drawn_hand();
+  hand::FakeHand fake(
+      [&](hand::HandReading& reading) {  // a table at a height of 0
+        const auto links = hand::forward_kinematics(model, reading.joints);
+        double depth = 0;
+        for (std::size_t i = 0; i < model.fingers.size(); ++i) {
+          const hand::Finger& finger = model.fingers[i];
+          const Eigen::Isometry3d T =
+              reading.base.pose() * links[static_cast<std::size_t>(finger.link)];
+          const double below = finger.tip.radius - (T * finger.tip.b).z();
+          if (below <= 0) continue;
+          depth = std::max(depth, below);
+          const Eigen::Vector3d up = T.linear().transpose() * Eigen::Vector3d::UnitZ();
+          reading.contacts[i] = {{finger.tip.b - finger.tip.radius * up, up, 2 * up}};
+        }
+        reading.base_force.z() = -2000 * depth;
+      },
+      model);
+  Executor robot(fake, model, evaluation::waiting_command(model));
+  CalibrateOptions options;
+  options.touches = 40;
+  CalibratePhase phase(options);
+  PickState state;
+  run_phase(phase, robot, state);
+  ASSERT_FALSE(robot.survived().empty());
+  EXPECT_NE(robot.survived()[0].detail.find("f.n > 0"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace palpate::skills

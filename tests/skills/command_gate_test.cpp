@@ -113,5 +113,22 @@ TEST(CommandGate, RefusesACommandOfAnotherHandsSize) {
   }
 }
 
+TEST(CommandGate, AMountThatTurnsBackStartsFromRest) {
+  CommandGate limits = gate();
+  hand::HandCommand command = hand::resting_command();
+  double speed = 0;
+  for (int tick = 0; tick < 50; ++tick) {
+    speed = std::min(0.59, speed + 0.1);
+    command.base.xyz.x() += speed * kTick;
+    command = limits.limited(command);
+  }
+  ASSERT_EQ(limits.changed(), 0u);
+  hand::HandCommand back = command;
+  back.base.xyz.x() -= 0.59 * kTick;
+  const double now = (limits.limited(back).base.xyz.x() - command.base.xyz.x()) / kTick;
+  EXPECT_NEAR(now, -SafetyOptions{}.base_acceleration * kTick, 1e-6);
+  EXPECT_EQ(limits.changed(), 1u);
+}
+
 }  // namespace
 }  // namespace palpate::skills

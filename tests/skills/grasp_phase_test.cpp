@@ -64,7 +64,8 @@ struct ClosingHand {
   GraspOptions options;
   PickState state;
   hand::FakeHand hand;
-  Executor robot{hand, model, evaluation::waiting_command(model)};
+  Executor robot{hand, model,   evaluation::waiting_command(model),
+                 {},   nullptr, {{.tip_reach = 1}, {}, {}}};
 };
 
 TEST(GraspPhase, PressesWhereTheForcesBalance) {

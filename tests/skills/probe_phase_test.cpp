@@ -57,7 +57,7 @@ struct Hold {
             if (finger == 0 ? thumb_touches : rule(reading, finger)) press(model, finger, reading);
           }
         }),
-        robot(hand, model, holding()) {
+        robot(hand, model, holding(), {}, nullptr, {{.tip_reach = 1}, {}, {}}) {
     grasp.min_press = kTotal;
     options.certain = 1;
     options.regrasps = 0;

@@ -141,5 +141,14 @@ TEST(ClearPhase, RisesBeforeItOpensAndTurnsLevel) {
       estimation::TouchEvent::closed));  // what was sensed before no longer holds
 }
 
+TEST(ReleasePhase, DoesNotGoDownFromAbove) {
+  Holding holding;
+  hand::BasePosition high = holding.robot.command().base;
+  high.xyz.z() = 0.5;
+  holding.robot.move_base(high, 0.5);
+  ASSERT_TRUE(ReleasePhase().run(holding.robot, holding.state).ok);
+  EXPECT_EQ(holding.robot.command().base.xyz.z(), 0.5);
+}
+
 }  // namespace
 }  // namespace palpate::skills

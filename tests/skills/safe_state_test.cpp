@@ -2,7 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <semaphore>
 #include <stdexcept>
+#include <stop_token>
+#include <utility>
+#include <vector>
 
 #include "hand/fake_hand.hpp"
 #include "palpate/hand/shadow.hpp"
@@ -81,6 +85,70 @@ TEST(SafeState, WhoLooksOnCannotKeepTheHandFromGivingWay) {
   EXPECT_ANY_THROW(robot.move_base(far, 0.05));
   robot.make_safe(Fault::exception, "the disk is full");
   EXPECT_NEAR(robot.command().base.xyz.x(), 0, 1e-9);
+}
+
+/// A hand whose 20th step hangs until its drives are stopped, and which keeps its commands.
+struct StallingHand : hand::FakeHand {
+  using FakeHand::FakeHand;
+  HandReading step(const hand::HandCommand& command) override {
+    commands.push_back(command);
+    if (hangs && commands.size() == 20) stopped.acquire();
+    return FakeHand::step(command);
+  }
+  bool hangs = false;
+  std::binary_semaphore stopped{0};
+  std::vector<hand::HandCommand> commands;
+};
+
+TEST(SafeState, DrivesThatCannotBeStoppedDoNotEndTheProgram) {
+  StallingHand stalling;
+  stalling.hangs = true;
+  bool released = false;
+  Safety safety;
+  safety.options.watchdog = 0.5;
+  safety.stop_drives = [&] {
+    if (!std::exchange(released, true)) stalling.stopped.release();
+    throw std::runtime_error("the relay does not answer");
+  };
+  Executor robot(stalling, kSoftHand, hand::resting_command(), {}, nullptr, safety);
+  EXPECT_THROW(robot.wait(1), SafetyStop);
+  EXPECT_EQ(robot.fault().fault, Fault::silent);
+  EXPECT_GT(stalling.commands.size(), 40u) << "it is eased all the same";
+}
+
+TEST(SafeState, ARequestToStopLetsNoCommandPassTheGate) {
+  std::stop_source source;
+  StallingHand recording;
+  Executor robot(recording, kSoftHand, hand::resting_command(), {}, nullptr,
+                 {{}, source.get_token(), {}});
+  robot.wait(0.1);
+  source.request_stop();
+  hand::HandCommand far = robot.command();
+  far.base.xyz.x() = 0.9;
+  far.positions[3] = kNan;
+  EXPECT_THROW(robot.follow(std::vector{far}), SafetyStop);
+  EXPECT_EQ(robot.fault().fault, Fault::stop_requested);
+  for (const auto& command : recording.commands) {
+    EXPECT_TRUE(command.positions.allFinite());
+    EXPECT_LT(command.base.xyz.norm(), 1e-9);
+  }
+}
+
+TEST(SafeState, AHandThatStandsElsewhereIsLeftThere) {
+  StallingHand mount([](HandReading& reading) { reading.base.xyz.x() = 0.4; });
+  Executor robot(mount, kSoftHand, hand::resting_command());
+  EXPECT_EQ(robot.fault().fault, Fault::not_at_start);
+  EXPECT_EQ(to_string(robot.fault().fault), "not_at_start");
+  EXPECT_TRUE(robot.fault().detail.starts_with("the mount is 0.400 m")) << robot.fault().detail;
+  EXPECT_THROW(robot.wait(0.1), SafetyStop);
+  for (std::size_t i = 1; i < mount.commands.size(); ++i) {
+    EXPECT_NEAR(mount.commands[i].base.xyz.x(), 0.4, 1e-9);
+  }
+  StallingHand fist(
+      [](HandReading& reading) { reading.joints[hand::shadow_hand().joint("FFJ3")] = 1.2; });
+  Executor closed(fist, kSoftHand, hand::resting_command());
+  EXPECT_EQ(closed.fault().fault, Fault::not_at_start);
+  EXPECT_TRUE(closed.fault().detail.starts_with("FFJ3 is at 1.20 rad")) << closed.fault().detail;
 }
 
 }  // namespace

@@ -14,6 +14,17 @@ namespace {
 
 constexpr double kWeight = 3.0;  // N
 
+/// A hand on what takes so many times as long as wanted.
+struct SlowlyCarriedHand : hand::FakeHand {
+  using hand::FakeHand::FakeHand;
+  hand::PathFeasibility check_path(std::span<const hand::BasePosition>) const override {
+    hand::PathFeasibility answer;
+    answer.stretch = stretch;
+    return answer;
+  }
+  double stretch = 1;
+};
+
 /// A hand that holds a box 25 cm below its base, 30 cm over the table.
 struct Carrying {
   explicit Carrying(hand::FakeHand::Script script)
@@ -46,7 +57,7 @@ struct Carrying {
 
   hand::Description model =
       hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
-  hand::FakeHand hand;
+  SlowlyCarriedHand hand;
   Executor robot;
   simulation::CollisionScene scene{geometry::load_known_object("box"), model};
   PlaceGoal goal;
@@ -70,6 +81,16 @@ TEST(TransportPhase, EndsOverTheGoalWithinItsLimits) {
     // The fingers keep still.
     EXPECT_LT((readings[i].joints - readings[0].joints).cwiseAbs().maxCoeff(), 1e-9);
   }
+}
+
+TEST(TransportPhase, ASlowArmStretchesTheMotion) {
+  Carrying fast({}), slow({});
+  slow.hand.stretch = 1.5;
+  const auto quick = fast.run(), report = slow.run();
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_NE(report.outcome.find("at most 0.0 mm behind"), std::string::npos) << report.outcome;
+  EXPECT_NEAR(report.robot_seconds - quick.robot_seconds, 0.5 * fast.motion.duration(), 0.02);
+  EXPECT_LT((slow.robot.command().base.xyz - slow.goal.above.xyz).norm(), 1e-9);
 }
 
 TEST(TransportPhase, TheFingersBearTheWeightAsTheHandTurns) {

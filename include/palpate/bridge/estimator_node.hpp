@@ -18,7 +18,9 @@ struct NodeReport {
   std::uint64_t messages = 0;  ///< received and sent
   std::uint64_t lost = 0;      ///< that DDS says never came
   std::uint64_t poses = 0, estimates = 0, commands = 0;
-  std::string refused;  ///< topics of which a sender's QoS offers too little
+  std::uint64_t failed = 0;  ///< estimates that could not be made of the readings
+  std::string last_failure;  ///< why not, of the latest
+  std::string refused;       ///< topics of which a sender's QoS offers too little
 };
 
 /// The estimator beside somebody's robot: reads what the hand publishes, and publishes the object's
@@ -31,7 +33,7 @@ struct NodeReport {
 /// a second.
 class EstimatorNode {
  public:
-  /// Keeps references to participant, object and hand.
+  /// Keeps references to participant, object and hand. @throws BadInput for a hand without links
   EstimatorNode(Participant& participant, const geometry::ObjectModel& object,
                 const hand::Description& hand, const ros2::RobotInterface& interface = {},
                 const estimation::HeldPoseOptions& options = {}, std::uint64_t seed = 0);

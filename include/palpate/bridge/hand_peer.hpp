@@ -29,9 +29,14 @@ struct RemoteHandOptions {
 /// A hand behind ROS 2: commands are published, readings are made of what it publishes.
 ///
 /// step() answers a reading newer than the last or, after `timeout`, the last one again with its
-/// old time, which the executor's gate counts as late. The command is repeated then: one that was
+/// old time, which the executor's gate counts as late. Until a reading comes the steps after that
+/// wait for a tick each, so that a hand that falls silent is stopped within the gate's limit of
+/// ticks. The command is repeated then: one that was
 /// lost is made good, one that arrived is known by its stamp. Positions have none, and are not
 /// repeated once a reading has come.
+///
+/// The first step waits 0.25 s for a reading before it sends its command. One of a hand that stands
+/// elsewhere (0.05 m, 0.6 rad) is its answer, and nothing is sent.
 class RemoteHand : public hand::Hand {
  public:
   /// Keeps references to participant and description.

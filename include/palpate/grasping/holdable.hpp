@@ -25,9 +25,14 @@ double min_width(const geometry::KnownObject& object);
 ///
 /// Too wide: it is wider than half the hand's opening, and in no stable pose there is a place where
 /// the opened hand comes down beside it and the fingers' forces then balance any of its weight
-/// (GraspPlan::cost below 1). Too heavy: it weighs more than the fingers bear by a friction of 1.
+/// (GraspPlan::cost below 1, or below 0.5 where they press harder than by default). Too heavy: it
+/// weighs more than the fingers bear by a friction of 1.
 ///
+/// @param press  N of all fingertips together, with which the object would be held; no more than
+///   greatest_press() is counted on, and no less than GraspPlanOptions::press
 /// @return empty if it may hold it
-std::string why_not_holdable(const geometry::ObjectModel& object, const hand::Description& hand);
+/// @throws BadInput for a hand without links
+std::string why_not_holdable(const geometry::ObjectModel& object, const hand::Description& hand,
+                             double press);
 
 }  // namespace palpate::grasping

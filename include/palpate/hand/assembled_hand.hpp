@@ -22,7 +22,7 @@ class LateAnswer : public std::runtime_error {
 /// What an arm measures.
 struct ArmReading {
   BasePosition base;  ///< of the hand's mount in the world
-  /// Force on the mount (N, world axes) beyond what the empty hand needs at rest.
+  /// Force of the arm on the hand, as HandReading::base_force: N, world axes.
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
 };
 
@@ -72,8 +72,8 @@ struct AnswerLimits {
 ///
 /// In a tick the arm is given its target, then the fingers make their step, which lasts the tick,
 /// then arm and sensors are read. What the fingers say of the base gives way to the arm, what they
-/// say of a fingertip's contacts to the sensors on it. While a part has nothing newer, the time of
-/// the last reading is repeated.
+/// say of a fingertip's contacts to the sensors on it. The time of the last reading is repeated
+/// until every part has given something newer than that one holds, be it in different ticks.
 class AssembledHand : public Hand {
  public:
   /// @param fingers, arm, sensors  must outlive this; no arm: the base is the fingers' own
@@ -93,6 +93,7 @@ class AssembledHand : public Hand {
   struct Part {
     std::string name;
     bool known = false;  // has answered once
+    bool newer = false;  // has answered since the time last advanced
     int missed = 0;      // ticks in a row without anything newer
   };
 
@@ -104,6 +105,7 @@ class AssembledHand : public Hand {
   void read_sensor(std::size_t index);
   void assemble(HandReading&& reading);
   [[nodiscard]] bool complete() const;
+  bool take_newer();
 
   Hand& fingers_;
   Arm* arm_;
@@ -114,9 +116,8 @@ class AssembledHand : public Hand {
   ArmReading mount_;                                   // the arm's last
   std::vector<std::vector<TipContact>> tip_contacts_;  // each sensor's last
   HandReading reading_;                                // the last
-  bool fresh_ = true;                   // all parts gave something newer in this tick
-  bool stopped_ = false;                // a failure has been thrown
-  mutable std::exception_ptr failure_;  // the first that was not
+  bool stopped_ = false;                               // a failure has been thrown
+  mutable std::exception_ptr failure_;                 // the first that was not
 };
 
 }  // namespace palpate::hand

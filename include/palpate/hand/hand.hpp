@@ -14,7 +14,7 @@ namespace palpate::hand {
 
 inline constexpr double kTick = 0.01;  ///< s between readings
 
-/// Number of ticks that is nearest to a time (s), at least one.
+/// Number of ticks that is nearest to a time (s), at least one and at most 1e9; one for NaN.
 int whole_ticks(double seconds);
 
 /// One contact that a fingertip senses, in the frame of that finger's distal link.
@@ -48,7 +48,8 @@ struct HandReading {
   JointVector joints;      ///< rad
   ActuatorVector torques;  ///< N m, of the actuators
   BasePosition base;       ///< measured
-  /// Force (N, world axes) that the base's drives exert beyond what the empty hand needs at rest.
+  /// Force (N, world axes) of what carries the hand on the hand, less what holds the empty hand at
+  /// rest: up (z > 0) when something hangs in the hand, down when the hand presses on the table.
   Eigen::Vector3d base_force = Eigen::Vector3d::Zero();
   std::vector<std::vector<TipContact>> contacts;  ///< one entry a finger
   std::vector<BiotacReading> biotacs;  ///< one a finger; none where the tips have no BioTacs

@@ -68,7 +68,8 @@ class Executor {
     std::function<void(const localization::Posterior&)> on_posterior;  ///< of the resting object
   };
 
-  /// @param start  where the hand is commanded now
+  /// @param start  where the hand is commanded now, and is: one whose first reading is elsewhere is
+  ///   stopped where it stands (not_at_start)
   /// @param models  of the world, for the skills that plan; must outlive the robot
   ///
   /// A fault of the hand's first reading is thrown by the first motion.
@@ -105,8 +106,8 @@ class Executor {
   void make_safe(Fault fault, std::string detail) noexcept;
   /// make_safe(), and then @throws SafetyStop.
   [[noreturn]] void stop_for(Fault fault, std::string detail);
-  /// @throws SafetyStop if the robot has stopped
-  void require_running() const;
+  /// @throws SafetyStop if the robot has stopped, or the hand has thrown in judging a way
+  void require_running();
 
   /// From now on nothing is believed of what this fingertip senses: its contacts are dropped. A
   /// fault with which the robot goes on (touch_lost).
@@ -144,15 +145,18 @@ class Executor {
   /// Stays for `seconds`, or until `stop`.
   MotionEnd wait(double seconds, const StopCondition& stop = {});
 
-  /// Why the mount cannot be brought there from where it is commanded to be; empty: it can.
+  /// Why the mount cannot be brought there from where it is commanded to be; empty: it can. What
+  /// the hand throws in judging is a fault of the next tick (require_running()).
   [[nodiscard]] std::string obstacle(const hand::BasePosition& target) const;
 
   /// Moves the base on a straight line (m/s; it turns along in proportion), until there or `stop`.
-  /// Where the arm's joints are slower than that, it takes longer. @throws Unreachable
+  /// Where the arm's joints are slower than that, it takes longer. A speed that is not positive and
+  /// finite, or that takes longer than the log, is a fault (invalid_command). @throws Unreachable
   MotionEnd move_base(const hand::BasePosition& target, double speed,
                       const StopCondition& stop = {});
 
-  /// Gives one command a tick, until the last or `stop`. @throws Unreachable
+  /// Gives one command a tick, until the last or `stop`. Where the arm's joints are slower than
+  /// that, it takes longer, along the lines between the commands. @throws Unreachable
   MotionEnd follow(std::span<const hand::HandCommand> way, const StopCondition& stop = {});
 
   /// Moves all actuators to a posture in a given time.
@@ -170,7 +174,12 @@ class Executor {
   void keep(hand::HandReading reading);
   hand::HandReading step();
   void ease();
+  [[nodiscard]] hand::HandCommand where_it_is() const;
+  template <class Value>
+  Value ask_hand(const std::function<Value()>& ask) const;
   [[nodiscard]] hand::PathFeasibility check_path(std::vector<hand::BasePosition> way) const;
+  [[nodiscard]] hand::MountLimits mount_limits() const;
+  void require_motion(const hand::BasePosition& target, double speed);
   void limit_base(const hand::BasePosition& target, SpeedProfile& profile) const;
   void limit_fingers(const hand::ActuatorVector& posture, SpeedProfile& profile);
 
@@ -191,7 +200,8 @@ class Executor {
   FaultReport fault_;
   std::vector<FaultReport> survived_;
   hand::PerFinger<bool> suspected_{}, cleared_{};
-  int exceptions_;  ///< under way when the robot was made
+  mutable std::optional<std::string> hand_failure_;  ///< of a question to it, not yet a fault
+  int exceptions_;                                   ///< under way when the robot was made
   std::unique_ptr<ReadingGate> readings_;
   std::unique_ptr<CommandGate> commands_;
   std::unique_ptr<UnsensedForce> unsensed_;

@@ -20,6 +20,7 @@ std::string_view to_string(PhaseStatus status);
 struct PhaseEnd {
   bool ok = false;
   std::string outcome;
+  bool unreachable = false;  ///< what carries the hand could not take it along a motion's way
 };
 
 /// What became of a phase.
@@ -31,6 +32,8 @@ struct PhaseReport {
   double wall_seconds = 0;
   int contacts = 0;       ///< fingertip contacts at its end
   double peak_force = 0;  ///< largest force of a fingertip contact during it, N
+  /// As PhaseEnd has it; no file and no pickle keeps it, for the outcome says it.
+  bool unreachable = false;
 };
 
 /// What the phases hand on to each other: how the object is to be held, and how the hand holds it.

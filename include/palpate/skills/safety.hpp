@@ -24,14 +24,16 @@ enum class Fault {
   unsensed_load,       ///< so it does, and no fingertip senses anything
   joint_stuck,         ///< a joint does not follow its command
   touch_lost,          ///< no fingertip's sensor can be used
-  invalid_command,     ///< a command holds a value that is not finite
+  invalid_command,     ///< a command holds a value that is not finite, or a speed that is none
   log_full,            ///< the log has reached its limit
   exception,           ///< the hand, a skill or the user's code threw
+  not_at_start,        ///< the first reading is not of where the hand is said to stand
 };
-inline constexpr std::array<std::string_view, 15> kFaultNames = {
+inline constexpr std::array<std::string_view, 16> kFaultNames = {
     "none",        "stop_requested", "not_finite",      "out_of_range", "implausible_change",
     "frozen",      "late",           "silent",          "excess_force", "unsensed_load",
-    "joint_stuck", "touch_lost",     "invalid_command", "log_full",     "exception"};
+    "joint_stuck", "touch_lost",     "invalid_command", "log_full",     "exception",
+    "not_at_start"};
 
 inline std::string_view to_string(Fault fault) {
   return kFaultNames[static_cast<std::size_t>(fault)];
@@ -67,6 +69,7 @@ struct SafetyOptions {
   double max_load = 40;           ///< N, of the mount
   double load_range = 250;        ///< N that the mount's sensor can read
   double tip_force_range = 50;    ///< N that a fingertip's sensor can read
+  double tip_reach = 0.1;         ///< m from a fingertip's surface, of contacts that are believed
   double workspace = 1.5;         ///< m of the base from the origin
   double joint_margin = 0.4;      ///< rad that a joint may read beyond its range
   double joint_jump = 0.5;        ///< rad between two readings
@@ -100,6 +103,8 @@ struct SafetyOptions {
     v.expert("load_range", load_range, 1.0, 1e5, "N, measuring range of the mount's force sensor");
     v.expert("tip_force_range", tip_force_range, 0.1, 1e4,
              "N, measuring range of a fingertip's force sensor");
+    v.expert("tip_reach", tip_reach, 0.01, 10.0,
+             "m, largest distance of a contact from its fingertip's surface");
     v.expert("workspace", workspace, 0.1, 100.0,
              "m, largest distance of the mount from the origin");
     v.expert("joint_margin", joint_margin, 0.0, 10.0,
@@ -138,8 +143,9 @@ struct Safety {
   SafetyOptions options;
   std::stop_token stop;  ///< a request, from any thread, stops the robot within a tick
   /// Stops the drives by whatever means there are beside the hand's step(), which must then return.
-  /// Called at every fault, by the watchdog from a thread of its own. A simulated hand, whose time
-  /// stands still between steps, needs none.
+  /// Called at every fault, by the watchdog from a thread of its own while step() is under way, but
+  /// never twice at once; what it throws is ignored. A simulated hand, whose time stands still
+  /// between steps, needs none.
   std::function<void()> stop_drives = {};
 };
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
@@ -27,6 +29,9 @@ constexpr double kLastingShare = 0.8;   // of the readings in which a resting fi
 constexpr double kSecondsATouch = 8;    // amply
 constexpr int kLoadAttitudes = 10;      // in which the load of the hand alone is read
 constexpr int kInsensitiveTouches = 3;  // in a row that a tip must miss to be believed no more
+constexpr int kLoadTouches = 3;         // after which the sign of the mount's load is judged
+constexpr double kLeastPress = 0.15;    // N, rms, of fingertips that it is judged by
+constexpr double kReversed = 0.5;       // of their press, by which the load rises then
 constexpr double kContradiction = 3.0;  // sigmas, rms, that touches leave unexplained
 
 /// Lets the fingertip rest where it touches, no longer pushed on.
@@ -38,6 +43,48 @@ void rest(Executor& robot, const CalibrateOptions& options) {
   robot.add_event(estimation::TouchEvent::on_table);
 }
 
+/// How the mount's load answers what fingertips press on the table with: it falls by as much. Where
+/// it rises, it is read with the wrong sign, and no touch would stop the mount.
+class LoadDirection {
+ public:
+  /// @param free  load of the mount before the touch, upwards, N
+  /// @param log  that ends with the finger at rest on the table, for some seconds
+  void add(double free, const estimation::EventLog& log, int finger, double seconds) {
+    const std::span<const hand::HandReading> readings(log.readings);
+    const auto rest = static_cast<std::size_t>(hand::whole_ticks(seconds));
+    const auto count = std::min(readings.size(), rest);
+    double rise = -free, press = 0;
+    for (const auto& reading : readings.last(count)) {
+      rise += reading.base_force.z() / static_cast<double>(count);
+      press += hand::tip_force(reading, finger) / static_cast<double>(count);
+    }
+    ++touches_;
+    rises_ += rise * press;
+    presses_ += press * press;
+  }
+  [[nodiscard]] bool reversed() const {
+    return touches_ >= kLoadTouches && presses_ > kLoadTouches * kLeastPress * kLeastPress &&
+           rises_ > kReversed * presses_;
+  }
+  /// N by which the load rises for 1 N of press.
+  [[nodiscard]] double slope() const { return rises_ / presses_; }
+
+ private:
+  int touches_ = 0;
+  double rises_ = 0, presses_ = 0;  // N^2
+};
+
+/// Why a fingertip that presses on the table does not count as sensing it.
+std::string_view why_insensitive(const Executor& robot, std::size_t finger) {
+  const auto& contacts = robot.reading().contacts[finger];
+  const bool inward = std::ranges::any_of(contacts, [](const auto& contact) {
+    return contact.f.dot(contact.n) > 0.5 * contact.f.norm();
+  });
+  return inward ? ": f.n > 0, so the force of the finger on the object, or the outward normal of "
+                  "the object, has the wrong sign"
+                : "";
+}
+
 /// Of each fingertip: touches of the table in a row that only the mount's load showed.
 using UnsensedTouches = hand::PerFinger<int>;
 
@@ -46,8 +93,19 @@ struct TableSearch {
   UnsensedTouches unsensed{};
   std::optional<double> height;  ///< where the last touch found the table, m
   LoadCalibration load;
+  LoadDirection direction;
   int next_load = 0;  ///< attitudes till the load is read again
 };
+
+/// @throws SafetyStop for a load that is read with the wrong sign
+void require_right_load(Executor& robot, const LoadDirection& direction) {
+  if (!direction.reversed()) return;
+  robot.stop_for(Fault::out_of_range,
+                 fmt::format("the mount's load rises by {:.1f} N for 1 N with which a fingertip "
+                             "presses on the table: base_force has the wrong sign, it is the force "
+                             "of the arm on the hand",
+                             direction.slope()));
+}
 
 void touch_table(Executor& robot, const CalibrationTouch& touch, const CalibrateOptions& options,
                  TableSearch& search) {
@@ -55,8 +113,11 @@ void touch_table(Executor& robot, const CalibrationTouch& touch, const Calibrate
   const double reach = search.height ? kSearchReach : kFirstReach;
   const double contact_height = search.height.value_or(0) - lowest(robot.model(), touch);
   robot.move_base(touch.base(options, contact_height + reach), options.travel_speed);
+  std::optional<double> free;  // N, upwards, in the air
   if (search.next_load-- == 0) {
-    search.load.add(robot.command().base, robot.steady_load());
+    const Eigen::Vector3d load = robot.steady_load();
+    search.load.add(robot.command().base, load);
+    free = load.z();
     search.next_load = options.touches / kLoadAttitudes;
   } else {
     robot.wait(kSettling);
@@ -67,11 +128,14 @@ void touch_table(Executor& robot, const CalibrationTouch& touch, const Calibrate
   if (press != TablePress::missed) times = press == TablePress::sensed ? 0 : times + 1;
   if (times >= kInsensitiveTouches) {
     robot.distrust(touch.finger,
-                   fmt::format("{} does not sense the table", robot.model().fingers[finger].name));
+                   fmt::format("{} does not sense the table{}", robot.model().fingers[finger].name,
+                               why_insensitive(robot, finger)));
   }
   if (press == TablePress::sensed) {
     search.height = lowest(robot.model(), touch) + robot.reading().base.xyz.z();
     rest(robot, options);
+    if (free) search.direction.add(*free, robot.log(), touch.finger, options.rest);
+    require_right_load(robot, search.direction);
   }
   rise(robot, kTravelHeight, options.travel_speed);
 }

@@ -58,7 +58,8 @@ PhaseEnd ReleasePhase::run(Executor& robot, PickState& state) {
   }
   robot.set_grip(std::nullopt);
   open_yielding(robot);
-  robot.move_base(at_height(robot.command().base, kFreeHeight), kUpSpeed);
+  const hand::BasePosition& base = robot.command().base;
+  robot.move_base(at_height(base, std::max(base.xyz.z(), kFreeHeight)), kUpSpeed);
   robot.move_fingers(straightened(robot), kReleaseSeconds);
   robot.add_event(estimation::TouchEvent::released);
   return {true, fmt::format("next try at ({:.0f}, {:.0f}) mm", 1e3 * state.place.x(),

@@ -14,6 +14,7 @@
 #include "palpate/core/angle.hpp"
 #include "palpate/core/gravity.hpp"
 #include "skills/base_near.hpp"
+#include "skills/explore/extents.hpp"
 #include "skills/grasp/release_phase.hpp"
 #include "skills/last_contacts.hpp"
 #include "skills/phase_sequence.hpp"
@@ -119,6 +120,8 @@ class Placement {
   void put_back();
   bool fail(PlaceStatus status);
   double weight() const { return object_.mass * kGravity; }
+  /// Whether what carries the hand ended the last phase.
+  bool out_of_reach() const { return result_.phases.back().unreachable; }
 
   Executor& robot_;
   const PickAndPlaceTask& task_;
@@ -221,9 +224,9 @@ bool Placement::carry(std::string name) {
   if (result_.motion.samples.empty()) result_.motion = transport.motion();
   if (there) return true;
   const bool moved = transport.motion().status == planning::PlanStatus::ok;
-  fail(transport.lost() ? PlaceStatus::lost
-       : moved          ? PlaceStatus::slipped
-                        : PlaceStatus::unreachable);
+  fail(transport.lost()           ? PlaceStatus::lost
+       : moved && !out_of_reach() ? PlaceStatus::slipped
+                                  : PlaceStatus::unreachable);
   if (!transport.lost()) put_back();
   return false;
 }
@@ -277,6 +280,7 @@ bool Placement::set_down(const PlaceGoal& goal, double wall, const LowerOptions&
     result_.T_world_placed = laid_flat(object_, lower.T_world_object());
   }
   if (ok) return withdraw();
+  if (out_of_reach()) return fail(PlaceStatus::unreachable);
   return fail(lower.touchdown() == PlacePhase::Touchdown::lost ? PlaceStatus::lost
                                                                : PlaceStatus::refused);
 }
@@ -325,7 +329,7 @@ void Placement::put_back() {
     result_.put_aside = (goal.base.pose() * goal.T_base_object).translation().head<2>();
   }
   if (down) result_.status = reason;
-  if (result_.status == PlaceStatus::refused && !down) result_.status = PlaceStatus::stuck;
+  if (!down && result_.status != PlaceStatus::lost) result_.status = PlaceStatus::stuck;
 }
 
 void Placement::execute() {
@@ -336,7 +340,7 @@ void Placement::execute() {
   const bool slot = task_.target.kind == PlaceTarget::Kind::fixture;
   if (!reorient() || !carry("transport") || !replan_goal()) return;
   if (!set_down(*result_.goal, slot ? options_.fixture.height : 0, options_.lower, kPlace)) {
-    if (result_.status == PlaceStatus::refused) put_back();
+    if (was_put_back(result_.status)) put_back();
     return;
   }
   result_.status = PlaceStatus::placed;
@@ -344,9 +348,9 @@ void Placement::execute() {
   state_.place = result_.T_world_placed->translation().head<2>();
   HeightProbeOptions verify_options = task_.pick.height_probe;
   verify_options.search = 0;
-  if (!sequence_.run(VerifyPhase(verify_options, top_of(object_.mesh, *result_.T_world_placed)))) {
-    fail(PlaceStatus::missing);
-  }
+  const double top = top_of(object_.mesh, *result_.T_world_placed);
+  if (sequence_.run(VerifyPhase(verify_options, top))) return;
+  if (!out_of_reach()) fail(PlaceStatus::missing);  // else the phase's outcome says why
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "estimation/slip.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "skills/place/weight_bearing.hpp"
+#include "skills/stretched_way.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -72,8 +73,9 @@ PhaseEnd TransportPhase::run(Executor& robot, PickState& state) {
     untouched = hand::count_contacts(reading) == 0 ? untouched + 1 : 0;
     return untouched >= options_.lost_ticks;
   };
-  lost_ = robot.follow(way, dropped) == MotionEnd::stopped ||
-          robot.wait(options_.settle, dropped) == MotionEnd::stopped;
+  const bool dropped_on_way = robot.follow(way, dropped) == MotionEnd::stopped;
+  const std::size_t ticks = robot.log().readings.size() - 1 - start;
+  lost_ = dropped_on_way || robot.wait(options_.settle, dropped) == MotionEnd::stopped;
   const double now = estimation::mean_load(robot.log());
   lost_ = lost_ || now < options_.min_weight * load;
   state.held_load = now;
@@ -83,13 +85,16 @@ PhaseEnd TransportPhase::run(Executor& robot, PickState& state) {
   if (drift > options_.max_slip) {
     return {false, fmt::format("slipped by {:.1f} mm", 1e3 * drift)};
   }
-  return {
-      true,
-      fmt::format("planned in {:.0f} ms, moved in {:.1f} s, at most {:.1f} mm behind, {:.2f} N "
-                  "hang, wandered by {:.1f} mm",
-                  1e3 * motion_.seconds, motion_.duration(),
-                  1e3 * lag_of(std::span(robot.log().readings).subspan(start + 1), motion_.samples),
-                  now, 1e3 * drift)};
+  // A slow arm has stretched the motion.
+  const auto planned =
+      stretched(motion_.samples.front(), motion_.samples, std::max(ticks, motion_.samples.size()));
+  const double longer = hand::kTick * static_cast<double>(planned.size() - motion_.samples.size());
+  return {true,
+          fmt::format("planned in {:.0f} ms, moved in {:.1f} s, at most {:.1f} mm behind, {:.2f} N "
+                      "hang, wandered by {:.1f} mm",
+                      1e3 * motion_.seconds, motion_.duration() + longer,
+                      1e3 * lag_of(std::span(robot.log().readings).subspan(start + 1), planned),
+                      now, 1e3 * drift)};
 }
 
 }  // namespace palpate::skills

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "palpate/skills/executor.hpp"
+#include "skills/command_gate.hpp"
+#include "skills/stretched_way.hpp"
+
+namespace palpate::skills {
+namespace {
+
+constexpr double kLeverArm = 0.2;   // m: what a turn of 1 rad counts as a way of the hand
+constexpr int kCheckedSteps = 100;  // of a way that is asked about
+
+/// s that the way takes at a speed (m/s).
+double seconds_of(const hand::BasePosition& from, const hand::BasePosition& target, double speed) {
+  const double turn = kLeverArm * (target.ypr - from.ypr).cwiseAbs().maxCoeff();
+  return std::max((target.xyz - from.xyz).norm(), turn) / speed;
+}
+
+/// A tick after the other.
+std::vector<hand::BasePosition> way_to(const hand::BasePosition& from,
+                                       const hand::BasePosition& target,
+                                       const SpeedProfile& profile) {
+  std::vector<hand::BasePosition> way;
+  for (int i = 1; i <= profile.ticks(); ++i) {
+    way.push_back(between(from, target, profile.share(i)));
+  }
+  return way;
+}
+
+}  // namespace
+
+MotionEnd Executor::tick_until(const StopCondition& stop) {
+  tick();
+  if (time() >= deadline_) return MotionEnd::timed_out;
+  return stop && stop(reading()) ? MotionEnd::stopped : MotionEnd::reached;
+}
+
+MotionEnd Executor::wait(double seconds, const StopCondition& stop) {
+  for (int i = hand::whole_ticks(seconds); i > 0; --i) {
+    if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
+  }
+  return MotionEnd::reached;
+}
+
+/// What the hand throws meanwhile stops the robot before it moves: require_running().
+template <class Value>
+Value Executor::ask_hand(const std::function<Value()>& ask) const {
+  try {
+    return ask();
+  } catch (const std::exception& error) {
+    if (!hand_failure_) hand_failure_ = error.what();
+  } catch (...) {
+    if (!hand_failure_) hand_failure_ = "an unknown exception";
+  }
+  return {};
+}
+
+/// Of a way in the world whose z = 0 is the table.
+hand::PathFeasibility Executor::check_path(std::vector<hand::BasePosition> way) const {
+  for (hand::BasePosition& base : way) base.xyz.z() += table_height_;
+  return ask_hand<hand::PathFeasibility>([&] { return hand_.check_path(way); });
+}
+
+hand::MountLimits Executor::mount_limits() const {
+  return ask_hand<hand::MountLimits>([&] { return hand_.mount_limits(); });
+}
+
+/// @throws SafetyStop for a motion that would never end
+void Executor::require_motion(const hand::BasePosition& target, double speed) {
+  const double seconds = seconds_of(command_.base, target, speed);
+  if (speed > 0 && std::isfinite(speed) && !(seconds > safety_.options.max_log)) return;
+  stop_for(Fault::invalid_command,
+           fmt::format("a motion at {} m/s, which would take {} s", speed, seconds));
+}
+
+std::string Executor::obstacle(const hand::BasePosition& target) const {
+  const double reach = target.xyz.norm(), workspace = safety_.options.workspace;
+  if (reach > workspace) {
+    return fmt::format("the mount would be {:.3f} m from the origin, {:.3f} m are allowed", reach,
+                       workspace);
+  }
+  std::vector<hand::BasePosition> way;
+  for (int i = 1; i <= kCheckedSteps; ++i) {
+    way.push_back(between(command_.base, target, static_cast<double>(i) / kCheckedSteps));
+  }
+  return check_path(std::move(way)).obstacle;
+}
+
+MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
+                              const StopCondition& stop) {
+  if (stop) speed = std::min(speed, mount_limits().guarded_speed);
+  require_motion(target, speed);
+  const hand::BasePosition from = command_.base;
+  SpeedProfile profile(seconds_of(from, target, speed));
+  limit_base(target, profile);
+  const hand::PathFeasibility checked = check_path(way_to(from, target, profile));
+  // A guarded move goes as far as it can: what it is to meet may end it before.
+  const bool whole = checked.obstacle.empty();
+  if (!whole && (!stop || checked.feasible == 0)) throw Unreachable(checked.obstacle);
+  const double last = whole ? 1 : profile.share(static_cast<int>(checked.feasible));
+  profile.stretch(checked.stretch);
+  for (int i = 1; i <= profile.ticks() && (whole || profile.share(i) <= last); ++i) {
+    command_.base = between(from, target, profile.share(i));
+    if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
+  }
+  if (!whole) throw Unreachable(checked.obstacle);
+  return MotionEnd::reached;
+}
+
+MotionEnd Executor::follow(std::span<const hand::HandCommand> way, const StopCondition& stop) {
+  std::vector<hand::BasePosition> bases;
+  for (const auto& command : way) bases.push_back(command.base);
+  const hand::PathFeasibility checked = check_path(std::move(bases));
+  if (!checked.obstacle.empty()) throw Unreachable(checked.obstacle);
+  const double times = std::max(1.0, checked.stretch);
+  const auto ticks = static_cast<std::size_t>(std::ceil(static_cast<double>(way.size()) * times));
+  for (const auto& command : stretched(command_, way, ticks)) {
+    command_ = command;
+    if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
+  }
+  return MotionEnd::reached;
+}
+
+MotionEnd Executor::move_fingers(const hand::ActuatorVector& posture, double seconds) {
+  SpeedProfile profile(seconds);
+  limit_fingers(posture, profile);
+  const hand::ActuatorVector from = command_.positions;
+  for (int i = 1; i <= profile.ticks(); ++i) {
+    command_.positions = from + profile.share(i) * (posture - from);
+    if (const auto end = tick_until({}); end != MotionEnd::reached) return end;
+  }
+  return MotionEnd::reached;
+}
+
+MotionEnd Executor::move_hand(const hand::HandCommand& target, double speed, double seconds) {
+  require_motion(target.base, speed);
+  const hand::HandCommand from = command_;
+  SpeedProfile profile(std::max(seconds, seconds_of(from.base, target.base, speed)));
+  limit_base(target.base, profile);
+  limit_fingers(target.positions, profile);
+  const hand::PathFeasibility checked = check_path(way_to(from.base, target.base, profile));
+  if (!checked.obstacle.empty()) throw Unreachable(checked.obstacle);
+  profile.stretch(checked.stretch);
+  for (int i = 1; i <= profile.ticks(); ++i) {
+    command_.base = between(from.base, target.base, profile.share(i));
+    command_.positions = from.positions + profile.share(i) * (target.positions - from.positions);
+    if (const auto end = tick_until({}); end != MotionEnd::reached) return end;
+  }
+  return MotionEnd::reached;
+}
+
+void Executor::limit_base(const hand::BasePosition& target, SpeedProfile& profile) const {
+  const SafetyOptions& limits = safety_.options;
+  const hand::MountLimits gentle = mount_limits();
+  profile.limit((target.xyz - command_.base.xyz).norm(), limits.base_speed,
+                std::min(limits.base_acceleration, gentle.acceleration));
+  profile.limit((target.ypr - command_.base.ypr).norm(), limits.turn_speed,
+                std::min(limits.turn_acceleration, gentle.turn_acceleration));
+}
+
+void Executor::limit_fingers(const hand::ActuatorVector& posture, SpeedProfile& profile) {
+  const hand::ActuatorVector& from = command_.positions;
+  if (posture.size() != from.size()) {
+    stop_for(Fault::invalid_command, fmt::format("a posture of {} actuators, the hand has {}",
+                                                 posture.size(), from.size()));
+  }
+  profile.limit((posture - from).cwiseAbs().maxCoeff(), safety_.options.finger_speed,
+                safety_.options.finger_acceleration);
+}
+
+}  // namespace palpate::skills

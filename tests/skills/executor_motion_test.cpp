@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "hand/fake_hand.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/skills/executor.hpp"
+#include "palpate/skills/pick.hpp"
+#include "skills/soft_shadow.hpp"
+
+namespace palpate::skills {
+namespace {
+
+/// Remembers what it was commanded.
+struct RecordingHand : hand::FakeHand {
+  using FakeHand::FakeHand;
+  hand::HandReading step(const hand::HandCommand& command) override {
+    commands.push_back(command);
+    return FakeHand::step(command);
+  }
+  std::vector<hand::HandCommand> commands;
+};
+
+TEST(Motion, ASpeedThatIsNoneIsAFaultAndMovesNothing) {
+  for (const double speed : {0.0, -0.1, 1e-12, std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity()}) {
+    for (const bool with_fingers : {false, true}) {
+      RecordingHand hand;
+      Executor robot(hand, hand::with_soft_actuators(), hand::resting_command());
+      hand::HandCommand target = robot.command();
+      target.base.xyz.x() = 0.2;
+      EXPECT_THROW(
+          with_fingers ? robot.move_hand(target, speed, 0.5) : robot.move_base(target.base, speed),
+          SafetyStop)
+          << speed;
+      EXPECT_EQ(robot.fault().fault, Fault::invalid_command);
+      EXPECT_EQ(hand.commands.back().base.xyz.x(), 0);
+    }
+  }
+}
+
+/// Its arm is guarded at no speed.
+struct StandingHand : RecordingHand {
+  hand::MountLimits mount_limits() const override { return {.guarded_speed = 0}; }
+};
+
+TEST(Motion, AGuardedSpeedOfZeroIsAFault) {
+  StandingHand hand;
+  Executor robot(hand, hand::with_soft_actuators(), hand::resting_command());
+  hand::BasePosition target;
+  target.xyz.z() = -0.2;
+  const auto never = [](const hand::HandReading&) { return false; };
+  EXPECT_THROW(robot.move_base(target, 0.1, never), SafetyStop);
+  EXPECT_EQ(robot.fault().fault, Fault::invalid_command);
+}
+
+/// Cannot judge ways, or does not know its limits.
+struct JudgingHand : RecordingHand {
+  explicit JudgingHand(bool of_ways) : RecordingHand({}, soft_shadow()), ways(of_ways) {}
+  hand::PathFeasibility check_path(std::span<const hand::BasePosition>) const override {
+    if (ways) throw std::runtime_error("no map");
+    return {};
+  }
+  hand::MountLimits mount_limits() const override {
+    if (!ways) throw std::runtime_error("no limits");
+    return {};
+  }
+  bool ways;
+};
+
+TEST(Motion, WhatTheHandThrowsInJudgingIsAFaultOfThePick) {
+  const geometry::ObjectModel object(geometry::load_known_object("box"));
+  for (const bool of_ways : {true, false}) {
+    JudgingHand hand(of_ways);
+    Executor robot(hand, soft_shadow(), hand::resting_command());
+    const PickResult result = pick(robot, object, {}, 1);
+    EXPECT_EQ(result.fault.fault, Fault::exception);
+    EXPECT_EQ(result.fault.detail, of_ways ? "the hand: no map" : "the hand: no limits");
+    for (const auto& command : hand.commands) EXPECT_EQ(command.base.xyz.norm(), 0);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::skills
