@@ -25,6 +25,9 @@ namespace pl = planning;
 namespace si = simulation;
 
 constexpr double kBaseHeight = 0.3;  // m, where the file does not say: well above the table
+// An estimate of an object that stands on the table is at most so far off.
+constexpr double kOffTable = 0.01;                      // m
+constexpr double kTilted = 5 * std::numbers::pi / 180;  // rad
 
 struct PlanSettings {
   pl::PlanOptions plan;
@@ -55,9 +58,9 @@ struct Setting {
   bool held = false;
 };
 
-Setting read_setting(const PlanArguments& arguments) {
+Setting read_setting(const PlanArguments& arguments, const std::string& hand) {
   Setting setting;
-  setting.hand = si::load_hand({});
+  setting.hand = si::load_hand(hand);
   hand::BasePosition base;
   base.xyz.z() = kBaseHeight;
   setting.waypoints =
@@ -90,8 +93,9 @@ si::CollisionScene make_scene(const Setting& setting, const pl::CollisionOptions
   return scene;
 }
 
-/// The stable pose and yaw on the table that come nearest to the pose.
-si::Start start_of(const geometry::KnownObject& object, const Eigen::Isometry3d& T_world_object) {
+/// The stable pose and yaw on the table that come nearest to the pose; none if it is not on it.
+std::optional<si::Start> start_of(const geometry::KnownObject& object,
+                                  const Eigen::Isometry3d& T_world_object) {
   si::Start start;
   double least = std::numbers::pi;
   for (std::size_t i = 0; i < object.stable_poses.size(); ++i) {
@@ -106,6 +110,9 @@ si::Start start_of(const geometry::KnownObject& object, const Eigen::Isometry3d&
     start.stable_pose = static_cast<int>(i), start.yaw = yaw;
   }
   start.xy = T_world_object.translation().head<2>();
+  const double height = object.stable_poses[static_cast<std::size_t>(start.stable_pose)].height;
+  const double off = std::abs(T_world_object.translation().z() - height);
+  if (least > kTilted || off > kOffTable) return std::nullopt;
   return start;
 }
 
@@ -113,12 +120,12 @@ si::Start start_of(const geometry::KnownObject& object, const Eigen::Isometry3d&
 pl::TrackingError follow(const Setting& setting, const std::vector<hand::HandCommand>& samples,
                          PlanSettings settings, std::uint64_t seed) {
   settings.world.noise.joint = 0;  // it is the controllers that are judged, not the readers
-  const bool on_table = setting.object && !setting.held;
   const auto object = setting.object ? *setting.object : geometry::load_known_object("box");
-  si::Start start = start_of(object, setting.T_world_object);
-  if (!on_table) start.xy.setConstant(10);
+  std::optional<si::Start> start;
+  if (setting.object && !setting.held) start = start_of(object, setting.T_world_object);
+  if (!start) start.emplace().xy.setConstant(10);
   si::World world(object, settings.world, seed);
-  world.reset(start, samples.front());
+  world.reset(*start, samples.front());
   return pl::execute(world.hand(), world.hand_model(), samples, settings.execution);
 }
 
@@ -175,7 +182,7 @@ int plan(const PlanArguments& arguments, const CLI::App& command) {
   check(arguments);
   auto settings = resolve<PlanSettings>(arguments.common);
   if (!arguments.planner.empty()) settings.plan.planner = arguments.planner;
-  const Setting setting = read_setting(arguments);
+  const Setting setting = read_setting(arguments, settings.world.hand);
   std::optional<Notice> notice(std::in_place, "planning", arguments.common.quiet);
   si::CollisionScene scene = make_scene(setting, settings.collision);
   const pl::Plan result = pl::plan(setting.waypoints, scene, settings.plan, arguments.common.seed);
@@ -205,8 +212,8 @@ void add_plan(CLI::App& program, Command& chosen) {
       "plan", "Plan a collision-free motion of mount and hand through waypoints");
   command
       .add_option("waypoints", arguments->waypoints,
-                  "CSV with the 24 joints (rad) by name and, optionally, the mount's "
-                  "x,y,z,yaw,pitch,roll (m, rad)")
+                  "CSV with all joints of the hand (rad; the Shadow hand has 24) by name and, "
+                  "optionally, the mount's x,y,z,yaw,pitch,roll (m, rad)")
       ->option_text("WAYPOINTS")
       ->required();
   command
@@ -231,8 +238,9 @@ void add_plan(CLI::App& program, Command& chosen) {
       "The motion is at rest in every waypoint. Limits of speed, acceleration and reach, the "
       "depth\n"
       "of contact that is allowed and the bounds of the search are options (--set, --config).\n"
-      "J1 and J2 of a finger share one tendon as on the real hand, so that J1 + J2 is met, not\n"
-      "each; J1 may not exceed J2. Without a pose of the mount in the file it rests at z = 0.3 m.\n"
+      "J1 and J2 of a finger of the Shadow hand share one tendon as on the real hand, so that\n"
+      "J1 + J2 is met, not each; J1 may not exceed J2. --set world.hand=NAME plans for another\n"
+      "hand. Without a pose of the mount in the file it rests at z = 0.3 m.\n"
       "--out receives path.csv (100 samples per second), path.svg, report.json, config.toml.\n"
       "Exits with 3 for a waypoint beyond limits or in collision (named), 4 if there is no "
       "path.\n\n"

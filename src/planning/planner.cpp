@@ -23,8 +23,9 @@ constexpr std::array<std::pair<std::string_view, PlannerKind>, 4> kPlanners = {
      {"prm", PlannerKind::prm},
      {"fmt", PlannerKind::fmt}}};
 
-constexpr int kRefinements = 3;   // of the step, where a sample between two checks collides
-constexpr double kMinCut = 1e-3;  // m of path; a corner that cannot be cut by as much is kept
+constexpr int kRefinements = 3;      // of the step, where a sample between two checks collides
+constexpr double kMinCut = 1e-3;     // m of path; a corner that cannot be cut by as much is kept
+constexpr double kSamePlace = 1e-9;  // m of path: no motion, but rounding
 
 /// Range of a coordinate by the hand's actuators and the base's options.
 hand::Range range_of(int coordinate, const BaseRange& base, const hand::Description& hand) {
@@ -99,7 +100,7 @@ SearchSpace LegPlanner::space(std::vector<int> moving, const Coordinates& start,
 }
 
 std::vector<Coordinates> LegPlanner::find(const Coordinates& start, const Coordinates& goal) {
-  if (start == goal) return {start};
+  if (distance(start, goal, free_.metric()) <= kSamePlace) return {goal};
   if (free_.holds_line(start, goal)) return {start, goal};
   const PathSearchOptions search_options{.planner = planner_,
                                          .iterations = std::max(1, options_.iterations / 2),
@@ -142,6 +143,7 @@ std::vector<Coordinates> LegPlanner::move_along(const std::vector<Coordinates>& 
   if (corners.size() < 2) return corners;
   std::vector<Coordinates> samples =
       time_path(rounded(corners, cuts(corners), free_.metric()), options_.limits, free_.metric());
+  if (samples.empty()) return {corners.back()};  // all of it is too short to be a motion
   samples.back() = corners.back();
   const bool free = std::all_of(samples.begin(), samples.end(),
                                 [&](const Coordinates& sample) { return free_.holds(sample); });

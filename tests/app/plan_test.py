@@ -92,6 +92,30 @@ class Plan(CliTest):
         self.assert_refused(BAD_INPUT, held, "waypoint 1", "object", "table")
         self.run_json("plan", file)
 
+    def test_waypoints_that_differ_by_rounding(self):
+        file = self.waypoints({"FFJ2": 0.3}, {"FFJ2": 0.2, "FFJ1": 0.1})  # 0.1 + 0.2 is not 0.3
+        report = self.run_json("plan", file)
+        self.assertEqual((report["status"], report["arrivals"]), ("ok", [0, 0]))
+
+    def test_the_hand_of_the_options_is_planned_for(self):
+        file = self.waypoints({}, {"FFJ3": 0.5})
+        options = ["--set", "world.hand=nosuch"]
+        self.assert_refused(BAD_INPUT, ["plan", file, *options], "nosuch")
+
+    def test_an_object_in_the_air_is_not_simulated_on_the_table(self):
+        """The hand is where the box would stand, which is above it."""
+        self.write("box.stl", box_stl(0.1, 0.1, 0.2))
+        file = self.reach((0, 0, 0.15), (0.01, 0, 0.15))
+        tracking = {}
+        for height in (0.6, 0.9):
+            pose = f"1 0 0 -.05  0 1 0 -.05  0 0 1 {height}  0 0 0 1"
+            report = self.run_json("plan", file, "--object", "box.stl", "--pose", pose, "--execute")
+            tracking[height] = report["tracking"]
+        free = self.run_json("plan", file, "--execute")["tracking"]
+        self.assertLess(tracking[0.6]["joint_max"], 2 * free["joint_max"] + 0.01)
+        self.assertLess(tracking[0.6]["base_max"], 2 * free["base_max"] + 0.002)
+        self.assertEqual(tracking[0.6], tracking[0.9])
+
     def test_files_that_are_no_waypoints(self):
         good = ",".join(JOINTS) + "\n" + ",".join("0" * 24) + "\n"
         for text, *words in [

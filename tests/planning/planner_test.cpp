@@ -108,6 +108,29 @@ TEST(Plan, PassesEveryWaypointAtRest) {
   }
 }
 
+TEST(Plan, WaypointsThatDifferByRoundingAreThePlaceWhereItIsAlready) {
+  simulation::CollisionScene scene(drawn_hand());
+  std::vector<Waypoint> waypoints(5, open_hand(0, 0, 0.3));
+  joint(waypoints[0], "FFJ2") = 0.3;
+  joint(waypoints[1], "FFJ2") = 0.2, joint(waypoints[1], "FFJ1") = 0.1;  // 0.1 + 0.2 is not 0.3
+  waypoints[2] = waypoints[3] = waypoints[4] = waypoints[1];
+  waypoints[3].base.xyz.x() = 1e-10;
+  waypoints[4].base.xyz.x() = 0.1;
+  ASSERT_NE(coordinates_of(command_of(waypoints[0], drawn_hand())),
+            coordinates_of(command_of(waypoints[1], drawn_hand())));
+  const auto still = plan({waypoints[0], waypoints[1]}, scene, {}, kSeed);
+  ASSERT_EQ(still.status, PlanStatus::ok);
+  EXPECT_EQ(still.samples.size(), 1U);
+  EXPECT_EQ(still.arrivals, (std::vector<std::size_t>{0, 0}));
+  const auto result = plan(waypoints, scene, {}, kSeed);
+  ASSERT_EQ(result.status, PlanStatus::ok);
+  ASSERT_EQ(result.arrivals.size(), waypoints.size());
+  EXPECT_EQ(result.arrivals[3], 0U);
+  EXPECT_EQ(coordinates_of(result.samples.back()),
+            coordinates_of(command_of(waypoints[4], drawn_hand())));
+  expect_within_limits(result, {});
+}
+
 /// One finger leans over its neighbour: to change places it must lean back, which neither waypoint
 /// shows.
 TEST(Plan, FingersGoAroundEachOther) {

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/error_message.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
@@ -223,6 +224,60 @@ TEST(ArmFollower, JudgesAWayBeforeItBegins) {
   EXPECT_FALSE(reaching.obstacle.empty());
   EXPECT_GT(reaching.feasible, 0u);
   EXPECT_LT(reaching.feasible, 50u) << "1.5 m higher than it began";
+}
+
+/// What the arm meets where it is may be left. It excuses nothing afterwards.
+TEST(ArmFollower, AWayThatLeavesACollisionMayNotEnterAnother) {
+  hand::ArmDescription arm = arm_named(example_arm());
+  arm.spheres.clear();
+  arm.carried.clear();
+  const auto link = static_cast<int>(arm.links.size()) - 1;
+  arm.spheres.push_back({link, Eigen::Vector3d::Zero(), 0.001});
+  hand::ArmFollower follower(arm);
+  const Eigen::Isometry3d high(Eigen::Translation3d(0, 0, 0.3));
+  const hand::ArmVector joints = follower.reset(high);
+  const Eigen::Isometry3d T_world_ball =
+      hand::link_poses(arm, joints)[static_cast<std::size_t>(link)];
+  // A ball of the stand, which is fixed, where the flange is now.
+  arm.spheres.insert(
+      arm.spheres.begin(),
+      {0, hand::link_poses(arm, joints)[0].inverse() * T_world_ball.translation(), 0.02});
+  hand::ArmFollower caught(arm);
+  EXPECT_THROW(caught.reset(high), BadInput) << "it cannot start there";
+  // It comes there by following, and then looks for a way on.
+  caught.reset(Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.35)));
+  for (int i = 1; i <= 300; ++i) {
+    caught.follow(Eigen::Isometry3d(Eigen::Translation3d(0, 0, std::max(0.3, 0.35 - 0.0005 * i))));
+  }
+  ASSERT_NE(hand::arm_collision(arm, caught.joints()), "");
+  std::vector<hand::BasePosition> way;
+  for (int i = 1; i <= 100; ++i) way.push_back({{0, 0, 0.3 + 0.0005 * i}, {0, 0, 0}});
+  EXPECT_EQ(caught.check_path(way).obstacle, "") << "leaving is allowed";
+  for (int i = 1; i <= 100; ++i) way.push_back({{0, 0, 0.35 - 0.0005 * i}, {0, 0, 0}});
+  EXPECT_NE(caught.check_path(way).obstacle, "") << "coming back is not";
+}
+
+std::string reason_of_reset(const hand::ArmDescription& arm, const Eigen::Isometry3d& T) {
+  hand::ArmFollower follower(arm);
+  return error_message([&] { follower.reset(T); });
+}
+
+TEST(ArmFollower, SaysWhyItCannotHoldTheHandAtTheStart) {
+  hand::ArmDescription arm = arm_named(example_arm());
+  const Eigen::Isometry3d far(Eigen::Translation3d(3, 0, 0.3)),
+      near(Eigen::Translation3d(0, 0, 0.3));
+  const std::string too_far = reason_of_reset(arm, far);
+  EXPECT_NE(too_far.find("the inverse kinematics has no solution"), std::string::npos) << too_far;
+  arm.spheres.push_back({0, Eigen::Vector3d::Zero(), 5});  // all is within the stand
+  const std::string collides = reason_of_reset(arm, near);
+  EXPECT_NE(collides.find("would meet"), std::string::npos) << collides;
+  EXPECT_NE(collides.find("solutions found"), std::string::npos) << collides;
+  while (arm.joint_count() > 5) arm.joints.pop_back();
+  for (hand::Link& link : arm.links) {
+    if (link.joint >= arm.joint_count()) link.joint = -1;
+  }
+  const std::string few = reason_of_reset(arm, far);
+  EXPECT_NE(few.find("5 joints are fewer than 6"), std::string::npos) << few;
 }
 
 TEST(ArmFollower, WhatItCannotHoldAtTheStartIsBadInput) {

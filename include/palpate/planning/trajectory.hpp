@@ -17,21 +17,22 @@ hand::HandCommand command_of(const Coordinates& coordinates);
 
 /// How fast the hand may move, each coordinate by itself.
 struct MotionLimits {
-  double base_speed = 0.25;          ///< m/s
-  double base_acceleration = 1.0;    ///< m/s^2
-  double turn_speed = 1.0;           ///< rad/s, of the base
-  double turn_acceleration = 4.0;    ///< rad/s^2
+  double base_speed = 0.25;          ///< m/s, along each axis
+  double base_acceleration = 1.0;    ///< m/s^2, along each axis
+  double turn_speed = 1.0;           ///< rad/s, of each angle of the base
+  double turn_acceleration = 4.0;    ///< rad/s^2, of each angle of the base
   double joint_speed = 2.0;          ///< rad/s
   double joint_acceleration = 10.0;  ///< rad/s^2
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("base_speed", base_speed, 0.001, 10.0, "m/s, largest speed of the mount");
+    v("base_speed", base_speed, 0.001, 10.0, "m/s, largest speed of the mount along each axis");
     v("base_acceleration", base_acceleration, 0.001, 100.0,
-      "m/s^2, largest acceleration of the mount");
-    v("turn_speed", turn_speed, 0.001, 50.0, "rad/s, largest angular speed of the mount");
+      "m/s^2, largest acceleration of the mount along each axis");
+    v("turn_speed", turn_speed, 0.001, 50.0,
+      "rad/s, largest rate of each of the mount's yaw, pitch and roll");
     v("turn_acceleration", turn_acceleration, 0.001, 500.0,
-      "rad/s^2, largest angular acceleration of the mount");
+      "rad/s^2, largest acceleration of each of the mount's yaw, pitch and roll");
     v("joint_speed", joint_speed, 0.001, 50.0, "rad/s, largest speed of a joint");
     v("joint_acceleration", joint_acceleration, 0.001, 500.0,
       "rad/s^2, largest acceleration of a joint");

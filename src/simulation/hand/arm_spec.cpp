@@ -22,6 +22,7 @@ mjsElement& find_arm_part(mjSpec& spec, mjtObj type, const std::string& name) {
 
 void prepare_arm(mjSpec& spec, const hand::ArmDescription& arm) {
   mjs_discardVisual(&spec, nullptr);
+  Eigen::Vector3d::Map(find_body(spec, arm.file.root).pos).setZero();  // it stands on the stand
   while (mjsElement* key = mjs_firstElement(&spec, mjOBJ_KEY)) mjs_delete(&spec, key);
   for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_BODY); e; e = mjs_nextElement(&spec, e)) {
     mjs_asBody(e)->gravcomp = 1;
@@ -52,7 +53,7 @@ void attach(mjSpec& spec, mjsBody& parent, const Eigen::Isometry3d& T_parent_chi
 
 SpecHandle arm_with_hand(const hand::ArmDescription& arm, const hand::Description& hand,
                          const mjSpec& hand_spec) {
-  const SpecHandle arm_spec = parse_model(arm.file.path);
+  const SpecHandle arm_spec = parse_model(arm.file.path, nullptr, "arm");
   prepare_arm(*arm_spec, arm);
   SpecHandle spec(mj_makeSpec());
   spec->compiler.balanceinertia = 1;

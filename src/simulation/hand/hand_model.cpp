@@ -94,16 +94,17 @@ void add_jointed(const mjModel& model, int body, const JointNamer& joint_of, han
   hand.links.push_back(link);
 }
 
-void add_link(const mjModel& model, int body, int root, const std::vector<int>& links,
+/// @param is_moved  whether joints of the file move the body
+void add_link(const mjModel& model, int body, bool is_moved, const std::vector<int>& links,
               const JointNamer& joint_of, hand::Description& hand) {
   hand::Link link;
   link.name = without_prefix(hand, name_of(model, mjOBJ_BODY, body));
   link.T_parent_link = pose3(model.body_pos + 3 * body, model.body_quat + 4 * body);
-  if (body != root) link.parent = links[static_cast<std::size_t>(model.body_parentid[body])];
-  if (body == root || model.body_jntnum[body] == 0) {
-    hand.links.push_back(link);
-  } else {
+  link.parent = links[static_cast<std::size_t>(model.body_parentid[body])];
+  if (is_moved) {
     add_jointed(model, body, joint_of, link, hand);
+  } else {
+    hand.links.push_back(link);
   }
 }
 
@@ -209,23 +210,28 @@ void add_hull(const hand::Finger& finger, std::vector<hand::LinkSphere>& spheres
 
 }  // namespace
 
-std::vector<int> links_of_bodies(const mjModel& model, int root) {
+std::vector<int> links_of_bodies(const mjModel& model, int root, RootJoints root_joints) {
   std::vector<int> links(static_cast<std::size_t>(model.nbody), -1);
   int next = 0;
   for (int body = root; body < end_of_hand(model, root); ++body) {
-    next += body == root ? 1 : links_of_body(model, body);
+    const bool is_fixed = body == root && root_joints == RootJoints::left_out;
+    next += is_fixed ? 1 : links_of_body(model, body);
     links[static_cast<std::size_t>(body)] = next - 1;
   }
   return links;
 }
 
 void read_links(const mjModel& model, int root, const std::string& palm, const JointNamer& joint_of,
-                const std::vector<int>& tips, hand::Description& hand) {
-  const std::vector<int> links = links_of_bodies(model, root);
+                const std::vector<int>& tips, hand::Description& hand, RootJoints root_joints) {
+  const std::vector<int> links = links_of_bodies(model, root, root_joints);
   const int end = end_of_hand(model, root);
   hand.links.clear();
   hand.spheres.clear();
-  for (int body = root; body < end; ++body) add_link(model, body, root, links, joint_of, hand);
+  for (int body = root; body < end; ++body) {
+    const bool is_fixed = body == root && root_joints == RootJoints::left_out;
+    const bool is_moved = !is_fixed && model.body_jntnum[body] > 0;
+    add_link(model, body, is_moved, links, joint_of, hand);
+  }
   hand.palm = links[static_cast<std::size_t>(find_id(model, mjOBJ_BODY, palm))];
   for (std::size_t i = 0; i < tips.size(); ++i) {
     hand.fingers[i].link = links[static_cast<std::size_t>(model.geom_bodyid[tips[i]])];

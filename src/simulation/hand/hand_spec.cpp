@@ -145,17 +145,18 @@ void clean(mjSpec& spec) {
   name_all(spec, mjOBJ_JOINT, "joint");
 }
 
-SpecHandle read_xml(const std::filesystem::path& file, std::vector<std::string>* warnings) {
+SpecHandle read_xml(const std::filesystem::path& file, std::vector<std::string>* warnings,
+                    std::string_view kind) {
   const Warnings warned;
   std::array<char, 1000> message{};
   SpecHandle spec(mj_parseXML(file.c_str(), nullptr, message.data(), message.size()));
   if (!spec) {
-    throw BadInput(fmt::format("cannot read the hand {}: {}", file.string(),
+    throw BadInput(fmt::format("cannot read the {} {}: {}", kind, file.string(),
                                reason_of(one_line(message.data()))));
   }
   for (const std::string& text : warned.texts()) {
     if (text.find("'NaN'") != std::string::npos) {
-      throw BadInput(fmt::format("cannot read the hand {}: a number is NaN", file.string()));
+      throw BadInput(fmt::format("cannot read the {} {}: a number is NaN", kind, file.string()));
     }
     if (warnings) warnings->push_back("the simulator warns: " + one_line(text));
   }
@@ -163,7 +164,7 @@ SpecHandle read_xml(const std::filesystem::path& file, std::vector<std::string>*
 }
 
 /// @throws BadInput if the text holds macros that are still to be expanded
-void refuse_templates(const std::filesystem::path& file) {
+void refuse_templates(const std::filesystem::path& file, std::string_view kind) {
   if (std::error_code error; !std::filesystem::is_regular_file(file, error)) return;
   const std::string text = read_file(file);
   for (std::size_t at = 0; (at = text.find_first_of("<$", at)) != text.npos; ++at) {
@@ -172,9 +173,9 @@ void refuse_templates(const std::filesystem::path& file) {
       at = std::min(text.find("-->", at), text.size() - 1);
     } else if (here.starts_with("<xacro:") || here.starts_with("${")) {
       throw BadInput(
-          fmt::format("cannot read the hand {}: it holds xacro macros; run xacro on it first, and "
+          fmt::format("cannot read the {} {}: it holds xacro macros; run xacro on it first, and "
                       "give what that writes",
-                      file.string()));
+                      kind, file.string()));
     }
   }
 }
@@ -197,12 +198,13 @@ std::string tip_geom(const hand::Description& hand, int finger) {
   return own_name("tip_" + hand.fingers[static_cast<std::size_t>(finger)].name);
 }
 
-SpecHandle parse_model(const std::filesystem::path& file, std::vector<std::string>* warnings) {
+SpecHandle parse_model(const std::filesystem::path& file, std::vector<std::string>* warnings,
+                       std::string_view kind) {
   if (std::error_code error; std::filesystem::is_directory(file, error)) {
-    throw BadInput(fmt::format("cannot read the hand {}: it is a folder", file.string()));
+    throw BadInput(fmt::format("cannot read the {} {}: it is a folder", kind, file.string()));
   }
-  refuse_templates(file);
-  SpecHandle spec = read_xml(file, warnings);
+  refuse_templates(file, kind);
+  SpecHandle spec = read_xml(file, warnings, kind);
   clean(*spec);
   find_meshes(*spec, file);
   const auto massless = give_masses(*spec);

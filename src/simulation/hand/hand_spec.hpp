@@ -27,9 +27,11 @@ std::string tip_geom(const hand::Description& hand, int finger);
 
 /// A model file (MJCF or URDF), parsed, without its options.
 /// @param warnings  receives what the parser warns of, and links without a mass
+/// @param kind  what it is a model of, for messages
 /// @throws BadInput, naming the file and what is wrong with it
 SpecHandle parse_model(const std::filesystem::path& file,
-                       std::vector<std::string>* warnings = nullptr);
+                       std::vector<std::string>* warnings = nullptr,
+                       std::string_view kind = "hand");
 
 /// Puts the hand's first body where the mount carries it.
 void place_root(mjSpec& spec, const hand::ModelFile& file);

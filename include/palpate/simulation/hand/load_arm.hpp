@@ -33,11 +33,13 @@ struct ArmOptions {
 
 /// The arm of an MJCF, with this hand fixed to its flange; none for "floating".
 ///
-/// The chain goes from the file's first body to one called "attachment", else to the last. Of
-/// limits of speed an MJCF states nothing: they are those of the maker for the arms that are known
-/// by name, else 2 rad/s; accelerations are limited to 15 rad/s^2.
-/// @throws BadInput for an unknown name, one that is not installed, or a file that is no chain of
-/// hinges with a position-controlled actuator each
+/// The flange is the body "attachment", else the site "attachment_site" or "attachment"; the chain
+/// goes there from the body of the world that carries it, which is put where the options say: its
+/// own position in the file is left out. Of limits of speed an MJCF states nothing: they are those
+/// of the maker for the arms that are known by name, else 2 rad/s; accelerations are limited to
+/// 15 rad/s^2.
+/// @throws BadInput for an unknown name, one that is not installed, or a file without a flange, or
+/// with joints other than a chain of hinges up to it, each with a position servo of gear 1
 std::optional<hand::ArmDescription> load_arm(const ArmOptions& options,
                                              const hand::Description& hand);
 
