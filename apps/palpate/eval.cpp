@@ -8,15 +8,15 @@
 
 #include "common.hpp"
 #include "eval_faults.hpp"
+#include "eval_output.hpp"
 #include "eval_report.hpp"
+#include "fingerprint.hpp"
 #include "given_command.hpp"
 #include "hand_option.hpp"
 #include "live_view.hpp"
 #include "manifest.hpp"
 #include "object_option.hpp"
-#include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/core/file.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/evaluation/evaluation.hpp"
@@ -25,7 +25,6 @@
 #include "progress_bar.hpp"
 #include "terminal.hpp"
 #include "trial_records.hpp"
-#include "trials_file.hpp"
 
 namespace palpate::app {
 namespace {
@@ -91,31 +90,59 @@ class WatchedTrials {
   std::atomic<bool> busy_ = false;
 };
 
-/// Fingerprint of all that decides how a trial goes, but for its number.
-std::string configuration_of(const EvalArguments& arguments,
-                             const evaluation::TrialOptions& options,
-                             const std::vector<geometry::KnownObject>& objects) {
-  std::string text = config_header(arguments.common) + to_toml(options);
-  for (const auto& name : arguments.candidates) text += fmt::format("candidate {}\n", name);
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    const auto& vertices = objects[i].mesh.vertices;
-    text += fmt::format("{}:{} {}\n", arguments.objects[i].size(), arguments.objects[i],
-                        objects[i].mass);
-    text.append(reinterpret_cast<const char*>(vertices.data()),
-                vertices.size() * sizeof vertices[0]);
+/// An object and what its name stands for, each.
+std::vector<NamedObject> with_names(const std::vector<std::string>& names,
+                                    const std::vector<geometry::KnownObject>& objects) {
+  std::vector<NamedObject> all;
+  for (std::size_t i = 0; i < names.size(); ++i) all.push_back({names[i], &objects[i]});
+  return all;
+}
+
+std::vector<NamedObject> with_names(const CandidateObjects& candidates) {
+  std::vector<NamedObject> all;
+  for (std::size_t i = 0; i < candidates.names.size(); ++i) {
+    all.push_back({candidates.names[i], &candidates.models[i].object()});
   }
-  return content_hash(text);
+  return all;
+}
+
+/// The pick that is the first trial, with the options that were given.
+std::string repetition_of(const EvalArguments& arguments) {
+  const std::string& first = arguments.objects.front();
+  const bool is_known = arguments.candidates.empty();
+  const auto option = [](const char* name, const std::string& value) {
+    return value.empty() ? "" : fmt::format(" {} {}", name, quoted(value));
+  };
+  std::string command =
+      "palpate pick" +
+      option("--object",
+             is_known ? first : fmt::format("{}", fmt::join(arguments.candidates, ","))) +
+      option("--true-object", is_known ? "" : first) +
+      option("--mass", arguments.known.mass ? fmt::format("{}", *arguments.known.mass) : "") +
+      option("--at", arguments.known.at) +
+      option("--units", arguments.known.units == "m" ? "" : arguments.known.units) +
+      option("--place", arguments.place) + option("--hand", arguments.hand) +
+      option("--arm", arguments.arm) + option("--config", arguments.common.config);
+  for (const auto& setting : arguments.common.set) command += option("--set", setting);
+  return fmt::format("{} --seed {}", command, arguments.common.seed);
 }
 
 EvalPlan plan_of(const EvalArguments& arguments, const evaluation::TrialOptions& options,
-                 const std::vector<geometry::KnownObject>& objects) {
-  EvalPlan plan{arguments.objects,
-                {},
-                arguments.trials,
-                arguments.common.seed,
-                !options.place.target.empty(),
-                configuration_of(arguments, options, objects)};
-  for (const auto& object : objects) plan.symmetry_orders.push_back(object.symmetries.size());
+                 const std::vector<geometry::KnownObject>& objects,
+                 const CandidateObjects& candidates) {
+  EvalPlan plan;
+  plan.objects = arguments.objects;
+  for (const auto& object : objects) {
+    plan.symmetry_orders.push_back(object.symmetries.size());
+    plan.repairs.push_back(object.repairs);
+  }
+  plan.trials = arguments.trials;
+  plan.seed = arguments.common.seed;
+  plan.place = !options.place.target.empty();
+  plan.configuration = trials_fingerprint(
+      arguments.common, options, with_names(arguments.objects, objects), with_names(candidates));
+  plan.commit = commit();
+  plan.repetition = repetition_of(arguments);
   return plan;
 }
 
@@ -161,91 +188,45 @@ class EvalProgress {
   std::size_t object_ = 0, done_ = 0;
 };
 
-/// What an evaluation keeps in its folder, from which it goes on where it was interrupted.
-struct EvalOutput {
-  EvalOutput(const EvalArguments& arguments, const evaluation::TrialOptions& options,
-             const EvalPlan& plan)
-      : folder(arguments.common.out, kept_by_force(arguments), arguments.common.force),
-        records(begin(), plan),
-        table(folder.path() / "trials.csv", plan.place) {
-    write_file_atomically(folder.path() / "config.toml",
-                          config_header(arguments.common) + to_toml(options));
-    std::filesystem::remove(folder.path() / "eval.json");  // of fewer trials
-    nlohmann::json made = manifest();
-    made.update({{"configuration", plan.configuration},
-                 {"seed", plan.seed},
-                 {"objects", plan.objects},
-                 {"trials", plan.trials},
-                 {"shard", fmt::format("{}/{}", arguments.shard.number, arguments.shard.count)},
-                 {"threads", arguments.common.threads}});
-    write_file_atomically(folder.path() / "manifest.json", json_text(made));
-  }
-
-  void add(const std::string& object, std::uint64_t seed, const evaluation::Trial& trial) {
-    const bool known = records.find(object, seed).has_value();
-    records.add(object, seed, trial);
-    table.add(object, seed, trial);
-    if (!known) table.write();
-  }
-
-  OutputFolder folder;
-  TrialRecords records;
-  TrialsFile table;
-
- private:
-  /// Without --force an evaluation goes on, so that nothing is in its way.
-  static std::vector<std::string> kept_by_force(const EvalArguments& arguments) {
-    if (!arguments.common.force) return {};
-    return {"trials.jsonl", "trials.csv", "eval.json", "config.toml", "manifest.json"};
-  }
-
-  std::filesystem::path begin() const {
-    const auto path = folder.path() / "trials.jsonl", rows = folder.path() / "trials.csv";
-    if (std::filesystem::exists(path)) return path;
-    if (std::filesystem::exists(rows)) {
-      throw BadInput(fmt::format(
-          "{} is of another run: --force overwrites it, another --out keeps it", rows.string()));
-    }
-    return path;
-  }
-};
-
 /// What to do after an evaluation: put its shards together, or look at one of its trials.
 std::string next_of(const EvalArguments& arguments) {
   if (!arguments.shard_text.empty()) {
     return fmt::format("palpate merge {} ... with the folders of the other shards",
                        quoted(arguments.common.out));
   }
-  return fmt::format("palpate pick --object {} --seed {} repeats the first trial, and draws it",
-                     quoted(arguments.objects.front()), arguments.common.seed);
+  return repetition_text(repetition_of(arguments));
 }
 
 /// A target is that of an object which is known.
 void check_candidates(const EvalArguments& arguments) {
   if (arguments.candidates.empty() || arguments.place.empty()) return;
-  if (arguments.candidates == arguments.objects && arguments.objects.size() == 1) return;
+  if (arguments.candidates.size() == 1 && arguments.objects.size() == 1 &&
+      is_same_object(arguments.candidates.front(), arguments.objects.front())) {
+    return;
+  }
   throw BadInput(fmt::format("--candidates {} cannot be combined with --place {}",
                              fmt::join(arguments.candidates, ","), arguments.place));
 }
 
-int eval(EvalArguments arguments) {
-  if (arguments.campaign) {
-    if (!arguments.place.empty() || !arguments.shard_text.empty() || arguments.known.mass ||
-        !arguments.known.at.empty() || arguments.known.units != "m" ||
-        !arguments.candidates.empty() || arguments.live.option->count() > 0) {
-      throw BadInput(
-          "--faults cannot be combined with --place, --shard, --mass, --at, --units, --candidates "
-          "or --live");
-    }
-    if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
-      throw BadInput("--resume needs the --out of a campaign, and no --force");
-    }
-    std::erase(arguments.faults, "");  // what CLI11 makes of an option without values
-    return eval_faults(resolve_trial(arguments.common, arguments.hand, arguments.arm),
-                       arguments.common, arguments.objects, arguments.trials, arguments.faults,
-                       arguments.resume);
+int run_campaign(EvalArguments arguments) {
+  if (!arguments.place.empty() || !arguments.shard_text.empty() || arguments.known.mass ||
+      !arguments.known.at.empty() || arguments.known.units != "m" ||
+      !arguments.candidates.empty() || arguments.live.option->count() > 0) {
+    throw BadInput(
+        "--faults cannot be combined with --place, --shard, --mass, --at, --units, --candidates "
+        "or --live");
   }
-  if (!arguments.shard_text.empty()) arguments.shard = parse_shard(arguments.shard_text);
+  if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
+    throw BadInput("--resume needs the --out of a campaign, and no --force");
+  }
+  std::erase(arguments.faults, "");  // what CLI11 makes of an option without values
+  return eval_faults(resolve_trial(arguments.common, arguments.hand, arguments.arm),
+                     arguments.common, arguments.objects, arguments.trials, arguments.faults,
+                     arguments.resume);
+}
+
+/// @throws BadInput for options that do not go together
+void check_options(const EvalArguments& arguments) {
   if (arguments.shard.count > 1 && arguments.common.out.empty()) {
     throw BadInput("--shard needs --out: `palpate merge` reads what it writes there");
   }
@@ -256,34 +237,41 @@ int eval(EvalArguments arguments) {
   if (arguments.resume && !std::filesystem::exists(records)) {
     throw BadInput(fmt::format("{}: there is no evaluation to go on with", records.string()));
   }
+}
+
+int eval(EvalArguments arguments) {
+  if (arguments.campaign) return run_campaign(std::move(arguments));
+  if (!arguments.shard_text.empty()) arguments.shard = parse_shard(arguments.shard_text);
+  check_options(arguments);
   arguments.objects = geometry::expand_object_names(arguments.objects);
   require_distinct(arguments.objects);  // its trials would count twice
-  require_mesh_file(arguments.objects, arguments.known.units);
+  arguments.candidates = geometry::expand_object_names(arguments.candidates);
+  auto given = arguments.objects;
+  given.insert(given.end(), arguments.candidates.begin(), arguments.candidates.end());
+  require_mesh_file(given, arguments.known.units);
   check_candidates(arguments);
   auto options = resolve_trial(arguments.common, arguments.hand, arguments.arm);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
-  apply_place(arguments.known, options.start);
+  apply_place(arguments.known, arguments.common.set, options.start);
   std::optional<Notice> notice(std::in_place, "preparing the objects", arguments.common.quiet);
   std::vector<geometry::KnownObject> objects(arguments.objects.size());
   parallel_for(objects.size(), arguments.common.threads, [&](std::size_t i) {
     objects[i] = load_object(arguments.objects[i], arguments.known);
   });
-  // A source or target that cannot be is named before anything moves.
-  static_cast<void>(options.touch.from_biotacs());
+  const CandidateObjects known = load_objects(arguments.candidates, arguments.known);
+  // What cannot be is named before anything moves, and before earlier results are lost.
   for (const auto& object : objects) {
-    const auto start = evaluation::draw_start(object, options.start, arguments.common.seed);
-    evaluation::place_target(object, options.place, arguments.common.seed,
-                             static_cast<std::size_t>(start.stable_pose));
+    evaluation::check_trial(object, options, arguments.common.seed);
   }
   // What the simulator refuses is said before anything is printed or written.
   const simulation::World probe(objects.front(), options.world, arguments.common.seed);
   notice.reset();
-  const std::filesystem::path folder = arguments.common.out;
   std::optional<EvalOutput> output;
-  const EvalPlan plan = plan_of(arguments, options, objects);
-  if (!folder.empty()) output.emplace(arguments, options, plan);
-
-  const CandidateObjects known = load_objects(arguments.candidates, arguments.known);
+  const EvalPlan plan = plan_of(arguments, options, objects, known);
+  if (!arguments.common.out.empty()) {
+    output.emplace(arguments.common, options, plan,
+                   fmt::format("{}/{}", arguments.shard.number, arguments.shard.count));
+  }
   WatchedTrials watched(arguments.live.open(arguments.common.quiet));
   EvalReport report(plan, arguments.common.json);
   std::vector<evaluation::EvaluatedObject> evaluated;
@@ -294,8 +282,7 @@ int eval(EvalArguments arguments) {
   const std::uint64_t seed = arguments.common.seed;
   evaluation::EvaluationHooks hooks;
   hooks.finished = [&](evaluation::TrialId id) {
-    return output ? output->records.find(arguments.objects[id.object], seed + id.number)
-                  : std::nullopt;
+    return output ? output->find(arguments.objects[id.object], seed + id.number) : std::nullopt;
   };
   hooks.sink = [&](evaluation::TrialId id) {
     return watched.begin(objects[id.object], options, seed + id.number);
@@ -313,12 +300,10 @@ int eval(EvalArguments arguments) {
   evaluation::evaluate(evaluated, options, seed, arguments.common.threads, hooks,
                        known.candidates());
   const json summary = report.finish();
-  if (output) {
-    output->table.write();
-    write_file_atomically(folder / "eval.json", json_text(summary));
-  }
+  if (output) output->finish(summary);
   if (output && !arguments.common.json) {
-    fmt::print("wrote {}: eval.json, config.toml, trials.csv, trials.jsonl\n", folder.string());
+    fmt::print("wrote {}: eval.json, config.toml, trials.csv, trials.jsonl\n",
+               arguments.common.out);
   }
   print_next(arguments.common, next_of(arguments));
   return kDone;
@@ -369,8 +354,9 @@ void add_eval(CLI::App& program, Command& chosen) {
       "Trial i of every object has the seed SEED + i. With --out it writes eval.json,\n"
       "config.toml, manifest.json (program, commit, machine, configuration) and, as they finish,\n"
       "one row per trial in trials.csv and its details in trials.jsonl into DIR. The same command\n"
-      "continues an interrupted run, with the same result bit for bit; a command with other\n"
-      "settings is refused, unless --force starts over.\n\nExamples:\n"
+      "continues an interrupted run, with the same result bit for bit; one with other settings or\n"
+      "meshes, or of a program built from another commit, is refused, unless --force starts over.\n"
+      "With --faults it writes faults.json, and only --resume continues.\n\nExamples:\n"
       "  palpate eval --object mug,box --trials 30 --threads 2 --seed 9000\n"
       "  palpate eval --object generated:9000-9099 --trials 3 --seed 9000\n"
       "  palpate eval --object mug,duck --candidates mug,box,bottle --trials 10 --seed 9000\n"

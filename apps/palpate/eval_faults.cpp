@@ -2,7 +2,6 @@
 #include "eval_faults.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +11,9 @@
 #include <utility>
 
 #include "earlier_results.hpp"
+#include "fingerprint.hpp"
+#include "manifest.hpp"
 #include "object_option.hpp"
-#include "palpate/core/cache.hpp"
 #include "palpate/core/durable_file.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/statistics.hpp"
@@ -72,8 +72,23 @@ json finished_rows(const std::filesystem::path& path, const std::string& configu
   return read_earlier(path, [&] {
     const json report = recording::parse_json(read_file(path));
     expect_same_settings(path, report.at("configuration") == configuration);
+    const auto built_from = report.value("commit", std::string("an unknown commit"));
+    if (built_from != commit()) {
+      throw BadInput(fmt::format("{} is of a program built from {}, not {}: use another --out",
+                                 path.string(), built_from, commit()));
+    }
     return report.at("faults");
   });
+}
+
+/// Fingerprint of all that decides how the trials go.
+std::string configuration_of(const CommonOptions& common, const evaluation::TrialOptions& options,
+                             const std::vector<std::string>& names,
+                             const std::vector<geometry::ObjectModel>& models, std::size_t trials) {
+  std::vector<NamedObject> objects;
+  for (std::size_t i = 0; i < names.size(); ++i) objects.push_back({names[i], &models[i].object()});
+  return fmt::format("{} of {} trials from seed {}", trials_fingerprint(common, options, objects),
+                     trials, common.seed);
 }
 
 void print_heading() {
@@ -116,16 +131,19 @@ int eval_faults(const evaluation::TrialOptions& options, const CommonOptions& co
   require_distinct(names);  // its trials would count twice
   std::vector<geometry::ObjectModel> models;
   for (const auto& name : names) models.emplace_back(geometry::load_known_object(name));
+  // What no trial can be of is no crash of each.
+  for (const auto& model : models) {
+    evaluation::check_trial(model.object(), options, common.seed);
+  }
   const auto output =
       resume ? std::make_unique<OutputFolder>(common.out, std::vector<std::string>(), false)
              : claim_output(common, {"faults.json"});
   const auto path = std::filesystem::path(common.out) / "faults.json";
-  const std::string configuration =
-      content_hash(fmt::format("{}{}{} {} {}", config_header(common), to_toml(options),
-                               fmt::join(objects, ","), trials, common.seed));
+  const std::string configuration = configuration_of(common, options, names, models, trials);
   json report = {{"trials", trials},
                  {"seed", common.seed},
                  {"configuration", configuration},
+                 {"commit", commit()},
                  {"faults", resume ? finished_rows(path, configuration) : json::object()}};
   if (!common.json) print_heading();
   for (const InjectedFault fault : campaign) {

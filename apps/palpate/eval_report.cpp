@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "object_option.hpp"
 #include "palpate/core/statistics.hpp"
 #include "place_report.hpp"
 #include "rate_text.hpp"
@@ -91,9 +92,16 @@ void print_places(const std::vector<std::string>& names, std::size_t width,
 
 }  // namespace
 
+std::string repetition_text(const std::string& command) {
+  return command + " repeats the first trial, and draws it";
+}
+
 EvalReport::EvalReport(const EvalPlan& plan, bool json)
     : plan_(plan), json_(json), report_({{"trials", plan.trials}, {"seed", plan.seed}}) {
   if (json_) return;
+  for (std::size_t i = 0; i < plan.repairs.size(); ++i) {
+    print_repairs(plan.objects.at(i), plan.repairs[i]);
+  }
   for (const auto& name : plan.objects) name_width_ = std::max(name_width_, name.size());
   fmt::print("{:<{}} {:<18} {:<18} {:<18} {:>6} {:>7} {:>7}   {}\n", "object", name_width_,
              "lifted", "pose right", "coverage*", "modes", "deg", "mm", "failures");
@@ -104,6 +112,7 @@ void EvalReport::add(const evaluation::Trial& trial) { evaluation::add_trial(tri
 void EvalReport::end_object(ObjectSummary summary) {
   const std::string& name = plan_.objects.at(summaries_.size());
   report_["objects"][name] = summary_json(summary);
+  report_["objects"][name]["repairs"] = plan_.repairs.at(summaries_.size());
   if (!json_) print_row(name, name_width_, summary);
   summaries_.push_back(std::move(summary));
 }

@@ -9,6 +9,9 @@
 
 namespace palpate::app {
 
+/// What to do with the command that repeats the first trial.
+std::string repetition_text(const std::string& command);
+
 /// What an evaluation prints: a table, a row as each object ends, or one JSON object at the end.
 class EvalReport {
  public:

@@ -3,7 +3,6 @@
 
 #include "common.hpp"
 #include "eval_report.hpp"
-#include "given_command.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "terminal.hpp"
@@ -20,6 +19,10 @@ struct MergeArguments {
   std::vector<std::string> parts;
 };
 
+/// What an evaluation writes, too: its configuration and manifest would not be of what is merged.
+const std::vector<std::string> kResults = {"trials.jsonl", "trials.csv", "eval.json", "config.toml",
+                                           "manifest.json"};
+
 /// The trials of a part: the folder of an evaluation, or the file in it.
 TrialRecords read_part(const fs::path& part) {
   if (!fs::is_directory(part)) return TrialRecords::of(part);
@@ -33,12 +36,7 @@ TrialRecords read_part(const fs::path& part) {
 TrialRecords merged(const std::vector<std::string>& parts) {
   TrialRecords all = read_part(parts.front());
   for (std::size_t i = 1; i < parts.size(); ++i) {
-    const TrialRecords part = read_part(parts[i]);
-    if (part.plan() != all.plan()) {
-      throw BadInput(
-          fmt::format("{} and {} are of evaluations with other settings", parts.front(), parts[i]));
-    }
-    all.add_all(part);
+    all.add_all(read_part(parts[i]));
   }
   return all;
 }
@@ -68,8 +66,7 @@ int merge(const MergeArguments& arguments) {
   std::optional<TrialRecords> lines;
   std::optional<TrialsFile> table;
   if (!common.out.empty()) {
-    folder.emplace(common.out, std::vector<std::string>{"trials.jsonl", "trials.csv", "eval.json"},
-                   common.force);
+    folder.emplace(common.out, kResults, common.force);
     lines.emplace(folder->path() / "trials.jsonl", plan);
     table.emplace(folder->path() / "trials.csv", plan.place);
   }
@@ -90,9 +87,7 @@ int merge(const MergeArguments& arguments) {
   if (table) table->write();
   if (!folder) return kDone;
   write_file_atomically(folder->path() / "eval.json", json_text(summary));
-  print_next(common, fmt::format("palpate pick --object {} --seed {} repeats the first trial, and "
-                                 "draws it",
-                                 quoted(plan.objects.front()), plan.seed));
+  if (!plan.repetition.empty()) print_next(common, repetition_text(plan.repetition));
   return kDone;
 }
 

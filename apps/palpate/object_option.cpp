@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <set>
+#include <map>
 #include <string_view>
 
 #include "palpate/core/error.hpp"
@@ -28,6 +28,14 @@ bool is_mesh_file(const std::string& name) {
   std::error_code error;
   return std::ranges::find(built_in, name) == built_in.end() &&
          std::filesystem::is_regular_file(name, error);
+}
+
+/// The same for all spellings of a mesh file's path.
+std::string identity_of(const std::string& name) {
+  if (!is_mesh_file(name)) return name;
+  std::error_code error;
+  const auto path = std::filesystem::canonical(name, error);
+  return error ? name : path.string();
 }
 
 }  // namespace
@@ -51,6 +59,10 @@ void require_mesh_file(const std::vector<std::string>& names, const std::string&
   if (units == "m" || std::ranges::any_of(names, is_mesh_file)) return;
   throw BadInput(fmt::format("--units {} is of mesh files, and {} {}", units,
                              fmt::join(names, ", "), names.size() == 1 ? "is none" : "are none"));
+}
+
+void print_repairs(const std::string& name, const std::vector<std::string>& repairs) {
+  for (const auto& repair : repairs) fmt::print("mesh of {} repaired: {}\n", name, repair);
 }
 
 void add_object_options(CLI::App& command, ObjectArguments& arguments) {
@@ -81,14 +93,23 @@ estimation::Candidates CandidateObjects::candidates() const {
 }
 
 const geometry::ObjectModel* CandidateObjects::find(const std::string& name) const {
-  const auto found = std::find(names.begin(), names.end(), name);
+  const auto found = std::ranges::find_if(
+      names, [&](const std::string& one) { return is_same_object(one, name); });
   return found == names.end() ? nullptr : &models[static_cast<std::size_t>(found - names.begin())];
 }
 
+bool is_same_object(const std::string& a, const std::string& b) {
+  return identity_of(a) == identity_of(b);
+}
+
 void require_distinct(const std::vector<std::string>& names) {
-  std::set<std::string_view> seen;
+  std::map<std::string, std::string_view> seen;  // names by what they are of
   for (const auto& name : names) {
-    if (!seen.insert(name).second) throw BadInput(fmt::format("{} is given twice", name));
+    const auto [before, is_new] = seen.try_emplace(identity_of(name), name);
+    if (is_new) continue;
+    throw BadInput(fmt::format(
+        "{} is given twice{}", name,
+        before->second == name ? "" : fmt::format(", the other time as {}", before->second)));
   }
 }
 
@@ -108,7 +129,8 @@ CandidateObjects load_objects(const std::vector<std::string>& names,
   return objects;
 }
 
-void apply_place(const ObjectArguments& arguments, evaluation::StartOptions& start) {
+void apply_place(const ObjectArguments& arguments, const std::vector<std::string>& settings,
+                 evaluation::StartOptions& start) {
   if (arguments.at.empty()) return;
   char end = 0;
   double x = 0, y = 0, r = start.uncertainty;
@@ -122,7 +144,11 @@ void apply_place(const ObjectArguments& arguments, evaluation::StartOptions& sta
                     "from 0 to {}",
                     arguments.at, kReach, kRoughest));
   }
-  if (start.uncertainty != evaluation::StartOptions{}.uncertainty && start.uncertainty != r) {
+  const bool is_set = start.uncertainty != evaluation::StartOptions{}.uncertainty ||
+                      std::ranges::any_of(settings, [](const std::string& setting) {
+                        return setting.starts_with("start.uncertainty");
+                      });
+  if (is_set && start.uncertainty != r) {
     throw BadInput(fmt::format("--at {}: start.uncertainty is set to {}; give R in one of them",
                                arguments.at, start.uncertainty));
   }

@@ -29,13 +29,19 @@ geometry::KnownObject load_object(const std::string& name, const std::string& un
 /// @throws BadInput if these units are of mesh files, and none of the names is one
 void require_mesh_file(const std::vector<std::string>& names, const std::string& units);
 
+/// A line for each thing that was done to a mesh.
+void print_repairs(const std::string& name, const std::vector<std::string>& repairs);
+
 void add_object_options(CLI::App& command, ObjectArguments& arguments);
 
 /// The object of that name or file, of the mass that was given.
 /// @throws BadInput as geometry::load_known_object
 geometry::KnownObject load_object(const std::string& name, const ObjectArguments& arguments);
 
-/// @throws BadInput for a name that is given twice
+/// Whether two names are of the same object: the same name, or the same mesh file.
+bool is_same_object(const std::string& a, const std::string& b);
+
+/// @throws BadInput for an object that is given twice
 void require_distinct(const std::vector<std::string>& names);
 
 /// Objects by their names, of which one may be what the hand touches.
@@ -44,7 +50,7 @@ struct CandidateObjects {
   std::vector<geometry::ObjectModel> models;
 
   [[nodiscard]] estimation::Candidates candidates() const;
-  /// @return none if it is not among them
+  /// @return none if the object is not among them
   [[nodiscard]] const geometry::ObjectModel* find(const std::string& name) const;
 };
 
@@ -53,7 +59,10 @@ CandidateObjects load_objects(const std::vector<std::string>& names,
                               const ObjectArguments& arguments);
 
 /// Puts the rough place that was given into the options.
-/// @throws BadInput for a text that is no place, or one out of reach
-void apply_place(const ObjectArguments& arguments, evaluation::StartOptions& start);
+/// @param settings  of --set
+/// @throws BadInput for a text that is no place, or one out of reach, and for an R that an option
+///         states otherwise
+void apply_place(const ObjectArguments& arguments, const std::vector<std::string>& settings,
+                 evaluation::StartOptions& start);
 
 }  // namespace palpate::app

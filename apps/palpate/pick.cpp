@@ -59,8 +59,42 @@ std::size_t true_index(const PickArguments& arguments) {
     return RandomStream(arguments.common.seed, "object").index(names.size());
   }
   if (arguments.true_object.empty()) return 0;
-  return static_cast<std::size_t>(std::find(names.begin(), names.end(), arguments.true_object) -
-                                  names.begin());
+  const auto found = std::ranges::find_if(
+      names, [&](const std::string& name) { return is_same_object(name, arguments.true_object); });
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+/// A target is that of an object which is known.
+void check_target(const PickArguments& arguments, const std::string& target) {
+  if (target.empty()) return;
+  if (arguments.objects.size() > 1) {
+    throw BadInput(fmt::format("--place {}: needs one object, {} are given", target,
+                               arguments.objects.size()));
+  }
+  if (true_index(arguments) == 0) return;
+  throw BadInput(
+      fmt::format("--place {}: needs an object that is known, and --true-object {} is "
+                  "not {}",
+                  target, arguments.true_object, arguments.objects.front()));
+}
+
+/// Comments of the configuration that say of what the pick was.
+std::string names_header(const PickArguments& arguments) {
+  std::string text = fmt::format("# object {}\n", fmt::join(arguments.objects, ","));
+  if (!arguments.true_object.empty()) {
+    text += fmt::format("# true object {}\n", arguments.true_object);
+  }
+  return text;
+}
+
+/// What was done to the mesh files so that they are closed, by their names.
+nlohmann::json repairs_json(const CandidateObjects& objects) {
+  auto all = nlohmann::json::object();
+  for (std::size_t i = 0; i < objects.models.size(); ++i) {
+    const auto& repairs = objects.models[i].object().repairs;
+    if (!repairs.empty()) all[objects.names[i]] = repairs;
+  }
+  return all;
 }
 
 /// Prints the phases as they end, and on a terminal the one that runs.
@@ -86,12 +120,11 @@ int pick(const PickArguments& arguments) {
     options.pick.explore.max_touches = *arguments.explore;
   }
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
-  apply_place(arguments.known, options.start);
-  if (arguments.objects.size() > 1 && !options.place.target.empty()) {
-    throw BadInput(fmt::format("--place {}: needs one object, {} are given", options.place.target,
-                               arguments.objects.size()));
-  }
-  require_mesh_file(arguments.objects, arguments.known.units);
+  apply_place(arguments.known, common.set, options.start);
+  check_target(arguments, options.place.target);
+  auto given = arguments.objects;
+  if (!arguments.true_object.empty()) given.push_back(arguments.true_object);
+  require_mesh_file(given, arguments.known.units);
   const std::string names = fmt::format("{}", fmt::join(arguments.objects, ","));
   std::optional<Notice> notice(std::in_place, "preparing " + names, common.quiet);
   const CandidateObjects objects = load_objects(arguments.objects, arguments.known);
@@ -101,13 +134,9 @@ int pick(const PickArguments& arguments) {
     other.emplace(load_object(arguments.true_object, arguments.known));
   }
   const geometry::ObjectModel& object = other ? *other : objects.models[truth];
-  // Bad ones are named first.
-  const auto start = evaluation::draw_start(object.object(), options.start, common.seed);
-  evaluation::place_target(object.object(), options.place, common.seed,
-                           static_cast<std::size_t>(start.stable_pose));
+  evaluation::check_trial(object.object(), options, common.seed);  // bad ones are named first
   const bool sensor_reported_errors = options.touch.from_biotacs();
-  const std::string config =
-      config_header(common) + fmt::format("# object {}\n", names) + to_toml(options);
+  const std::string config = config_header(common) + names_header(arguments) + to_toml(options);
   const Interrupt interrupt;
   const auto live = arguments.live.open(common.quiet);
   // First, so that nothing is left behind where the simulator refuses something.
@@ -146,13 +175,19 @@ int pick(const PickArguments& arguments) {
   if (page) page->end(trial.result.held ? "picked" : "ended: " + trial.result.failed_phase);
   write_file_atomically(folder / "config.toml", config);
   auto report = trial_json(trial, objects.names);
-  report.update({{"object", names}, {"seed", common.seed}, {"version", version()}});
+  auto repairs = repairs_json(objects);
+  if (other && !object.object().repairs.empty()) {
+    repairs[arguments.true_object] = object.object().repairs;
+  }
+  report.update(
+      {{"object", names}, {"seed", common.seed}, {"version", version()}, {"repairs", repairs}});
   write_file_atomically(folder / "report.json", json_text(report));
   write_file_atomically(folder / "replay.html", replay_html(folder / "recording.h5", title));
   notice.reset();
   if (common.json) {
     print_json(report);
   } else {
+    for (const auto& [name, done] : repairs.items()) print_repairs(name, done);
     fmt::print("{}\n{}wrote {}: recording.h5, config.toml, report.json, replay.html\n",
                outcome_text(trial, objects.names), place_text(trial), folder.string());
     print_next(common, fmt::format("open {}/replay.html in a browser, or palpate view {}",

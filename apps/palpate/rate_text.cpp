@@ -7,14 +7,17 @@
 
 namespace palpate::app {
 
-double rate(std::size_t count, std::size_t trials) {
-  return trials == 0 ? 0 : static_cast<double>(count) / static_cast<double>(trials);
+nlohmann::json rate(std::size_t count, std::size_t trials) {
+  if (trials == 0) return nullptr;
+  return static_cast<double>(count) / static_cast<double>(trials);
 }
 
 std::string rate_text(std::size_t count, std::size_t trials) {
   if (trials == 0) return "-";
   const auto interval = wilson_interval(count, trials);
-  return fmt::format("{:.2f} [{:.2f}, {:.2f}]", rate(count, trials), interval.low, interval.high);
+  return fmt::format("{:.2f} [{:.2f}, {:.2f}]",
+                     static_cast<double>(count) / static_cast<double>(trials), interval.low,
+                     interval.high);
 }
 
 std::string median_text(const std::vector<double>& values) {

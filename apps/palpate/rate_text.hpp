@@ -9,8 +9,8 @@
 
 namespace palpate::app {
 
-/// Of no trials, 0.
-double rate(std::size_t count, std::size_t trials);
+/// Of no trials, null.
+nlohmann::json rate(std::size_t count, std::size_t trials);
 
 /// "0.90 [0.70, 0.97]", with the 95 % Wilson interval; of no trials, "-".
 std::string rate_text(std::size_t count, std::size_t trials);

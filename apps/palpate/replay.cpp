@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common.hpp"
+#include "object_option.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/evaluation/recorder.hpp"
@@ -32,8 +33,29 @@ struct ReplayArguments {
 struct Replayed {
   estimation::HeldPoseEstimate estimate;
   std::uint64_t messages = 0;
-  std::string hint;  ///< why there is no pose, where that is known
+  std::string hint;                       ///< why there is no pose, where that is known
+  std::string object = {}, weighed = {};  ///< the pose is of this; of what the pick weighed instead
 };
+
+/// The rest of the comment of the configuration that begins so; empty without.
+std::string comment_of(const std::string& config, const std::string& begin) {
+  const std::string start = "\n# " + begin + " ";
+  const std::size_t at = config.find(start);
+  if (at == std::string::npos) return "";
+  const std::size_t from = at + start.size();
+  return config.substr(from, config.find('\n', from) - from);
+}
+
+/// The candidates of the pick, where they were more or others than the object of the recording.
+std::string weighed_by_pick(const recording::RecordingHeader& header) {
+  const std::string names = comment_of(header.config_toml, "object");
+  const std::string truth = comment_of(header.config_toml, "true object");
+  const bool several = names.find(',') != std::string::npos;
+  const bool of_it =
+      header.object.name == names || header.object.name == std::filesystem::path(names).stem();
+  const bool of_another_file = !truth.empty() && !is_same_object(names, truth);
+  return several || !of_it || of_another_file ? names : "";
+}
 
 /// Options of the recording, changed by --config and --set.
 /// @throws BadInput for another value of what a replay does not read
@@ -115,10 +137,13 @@ Replayed replay_recording(const ReplayArguments& arguments) {
   auto log = recording::event_log(recording).until(estimation::TouchEvent::held);
   const auto hand = skills::calibrated_hand(recording.header.hand, log, options.pick.calibrate);
   const auto held = log.at(estimation::TouchEvent::held);
-  return {
+  Replayed replayed{
       estimation::PoseEstimator(object, options.pick_options().estimation, recording.header.seed)
           .held(hand, log, held),
       recording.frames.size(), held ? "" : end_of(recording)};
+  replayed.object = recording.header.object.name;
+  replayed.weighed = weighed_by_pick(recording.header);
+  return replayed;
 }
 
 Replayed replay_bag(const ReplayArguments& arguments) {
@@ -145,10 +170,16 @@ int replay(const ReplayArguments& arguments) {
       ros2::is_bag(arguments.recording) ? replay_bag(arguments) : replay_recording(arguments);
   const auto& posterior = replayed.estimate.posterior;
   notice.reset();
+  if (!arguments.common.json && !replayed.weighed.empty()) {
+    fmt::print("of {} alone, which was simulated; the pick weighed {}\n", replayed.object,
+               replayed.weighed);
+  }
   if (arguments.common.json) {
     auto report = posterior_json(posterior);
     report.update({{"path", arguments.recording},
                    {"messages", replayed.messages},
+                   {"pick_weighed",
+                    replayed.weighed.empty() ? nlohmann::json() : nlohmann::json(replayed.weighed)},
                    {"hint", posterior.modes.empty() ? replayed.hint : ""}});
     print_json(report);
   } else if (posterior.modes.empty() && !replayed.hint.empty()) {
@@ -182,10 +213,11 @@ void add_replay(CLI::App& program, Command& chosen) {
   const auto of_bags = add_bag_options(command, arguments->bag);
   add_common_options(command, arguments->common, kConfig);
   command.footer(
-      "Uses the recording's own configuration and seed, and so reproduces the pose of the pick "
-      "bit\n"
-      "for bit; --set changes the estimator's options (palpate options replay), and no others:\n"
-      "what the robot did and sensed is recorded.\n\n"
+      "Uses the recording's own configuration and seed, and so reproduces the pose of a pick of "
+      "one\n"
+      "known object bit for bit; --set changes the estimator's options (palpate options replay),\n"
+      "and no others: what the robot did and sensed is recorded. Of a pick among candidates it\n"
+      "estimates the pose of the simulated object alone, and says so.\n\n"
       "From an MCAP file of ROS 2 messages it uses the joint states, the contacts of each finger\n"
       "and the transforms from the world to the mount (docs/ros2.md). A file that `palpate export\n"
       "mcap` wrote names its object and hand; for others the pose is that of the last instant at\n"

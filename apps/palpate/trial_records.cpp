@@ -4,9 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
+#include "common.hpp"
 #include "earlier_results.hpp"
 #include "palpate/core/durable_file.hpp"
 #include "palpate/core/error.hpp"
@@ -29,7 +30,10 @@ std::string header_line(const EvalPlan& plan) {
                     {"trials", plan.trials},
                     {"seed", plan.seed},
                     {"place", plan.place},
-                    {"configuration", plan.configuration}},
+                    {"configuration", plan.configuration},
+                    {"commit", plan.commit},
+                    {"repairs", plan.repairs},
+                    {"repetition", plan.repetition}},
                    -1);
 }
 
@@ -41,18 +45,51 @@ EvalPlan plan_of(const json& header) {
   header.at("seed").get_to(plan.seed);
   header.at("place").get_to(plan.place);
   header.at("configuration").get_to(plan.configuration);
+  // Earlier checkouts did not write these.
+  plan.commit = header.value("commit", plan.commit);
+  plan.repairs = header.value("repairs", plan.repairs);
+  plan.repetition = header.value("repetition", plan.repetition);
+  plan.repairs.resize(plan.objects.size());
   return plan;
 }
 
-/// Whether both went alike, whatever wall time they took. As text, for nan equals nan there.
-bool same_result(const evaluation::Trial& a, const evaluation::Trial& b) {
-  const json one = evaluation::trial_to_json(a), other = evaluation::trial_to_json(b);
-  return std::ranges::all_of(
-      std::array{"robot_seconds", "pick", "metrics", "place_metrics"},
-      [&](const char* key) { return json_text(one.at(key)) == json_text(other.at(key)); });
+void erase_wall_time(json& value) {
+  if (value.is_object()) value.erase("wall_seconds");
+  if (!value.is_structured()) return;
+  for (json& part : value) erase_wall_time(part);
+}
+
+/// A trial but for the wall time that it took. As text, for nan equals nan there.
+std::string result_text(const evaluation::Trial& trial) {
+  json result = evaluation::trial_to_json(trial);
+  erase_wall_time(result);
+  return json_text(result);
+}
+
+std::string commit_text(const EvalPlan& plan) {
+  return plan.commit.empty() ? "an unknown commit" : plan.commit;
 }
 
 }  // namespace
+
+bool EvalPlan::has(const std::string& object, std::uint64_t trial_seed) const {
+  return std::ranges::find(objects, object) != objects.end() && trial_seed >= seed &&
+         trial_seed - seed < trials;
+}
+
+void expect_same_plan(const std::string& name, const EvalPlan& plan, const std::string& other_name,
+                      const EvalPlan& other) {
+  const auto settings = [](const EvalPlan& p) {
+    return std::tie(p.objects, p.symmetry_orders, p.trials, p.seed, p.place, p.configuration);
+  };
+  if (settings(plan) != settings(other)) {
+    throw BadInput(
+        fmt::format("{} and {} are of evaluations with other settings", name, other_name));
+  }
+  if (plan.commit == other.commit) return;
+  throw BadInput(fmt::format("{} is of a program built from {}, {} of one from {}", name,
+                             commit_text(plan), other_name, commit_text(other)));
+}
 
 TrialRecords TrialRecords::of(const std::filesystem::path& path) {
   TrialRecords records;
@@ -66,9 +103,10 @@ TrialRecords TrialRecords::of(const std::filesystem::path& path) {
 }
 
 void TrialRecords::add_all(const TrialRecords& other) {
+  expect_same_plan(path_.string(), plan_, other.path_.string(), other.plan_);
   for (const auto& [key, trial] : other.trials_) {
     const auto [known, added] = trials_.try_emplace(key, trial);
-    if (added || same_result(known->second, trial)) continue;
+    if (added || result_text(known->second) == result_text(trial)) continue;
     throw BadInput(fmt::format(
         "{}: {} with seed {} went otherwise than in another part: they are of different programs",
         other.path_.string(), key.first, key.second));
@@ -92,7 +130,11 @@ TrialRecords::TrialRecords(std::filesystem::path path, const EvalPlan& plan)
     text.resize(whole);
   }
   read_earlier(path_, [&] { read(text); });
-  expect_same_settings(path_, plan_ == plan);
+  try {
+    expect_same_plan(path_.string(), plan_, "the command", plan);
+  } catch (const BadInput& problem) {
+    throw BadInput(fmt::format("{}: use another --out, or --force to lose it", problem.what()));
+  }
 }
 
 void TrialRecords::read(const std::string& text) {
@@ -102,8 +144,13 @@ void TrialRecords::read(const std::string& text) {
     const json value = recording::parse_json(std::string_view(text).substr(at, end - at));
     at = end + 1;
     if (line > 0) {
-      trials_[{value.at("object").get<std::string>(), value.at("seed").get<std::uint64_t>()}] =
-          evaluation::trial_from_json(value.at("trial"));
+      const auto object = value.at("object").get<std::string>();
+      const auto seed = value.at("seed").get<std::uint64_t>();
+      if (!plan_.has(object, seed)) {
+        throw BadInput(fmt::format("line {}: {} with seed {} is no trial of this evaluation",
+                                   line + 1, object, seed));
+      }
+      trials_[{object, seed}] = evaluation::trial_from_json(value.at("trial"));
     } else if (value.value("format", "") != kFormat) {
       throw BadInput(fmt::format(
           "{} is of another version's evaluation: use another --out, or --force to lose it",

@@ -20,9 +20,17 @@ struct EvalPlan {
   std::uint64_t seed = 0;                    ///< of the first of each
   bool place = false;                        ///< they place the object
   std::string configuration;  ///< fingerprint of all else that decides how a trial goes
+  std::string commit;         ///< that the program is built from
+  std::vector<std::vector<std::string>> repairs;  ///< of each object's mesh, in words
+  std::string repetition;                         ///< command that repeats the first trial
 
-  bool operator==(const EvalPlan&) const = default;
+  /// Whether an object's trial with that seed is one of them.
+  [[nodiscard]] bool has(const std::string& object, std::uint64_t trial_seed) const;
 };
+
+/// @throws BadInput, saying how, if plans differ in more than how a command is written
+void expect_same_plan(const std::string& name, const EvalPlan& plan, const std::string& other_name,
+                      const EvalPlan& other);
 
 /// The finished trials of an evaluation as lines of JSON, exact, each on the disk before the next
 /// ends: an evaluation that was interrupted goes on from them.
@@ -38,7 +46,7 @@ class TrialRecords {
 
   const EvalPlan& plan() const { return plan_; }
   /// Takes over the trials of another part of the same evaluation.
-  /// @throws BadInput if a trial that is in both went otherwise there
+  /// @throws BadInput if it is of another plan, or a trial that is in both went otherwise there
   void add_all(const TrialRecords& other);
 
   /// A trial that was finished before.

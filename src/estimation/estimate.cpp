@@ -218,7 +218,7 @@ localization::Posterior PoseEstimator::conclude(const Hypotheses& hypotheses) {
     return last_.front().posterior;
   }
   const auto probabilities = localization::object_probabilities(last_, options_.identify);
-  const bool explained = std::any_of(last_.begin(), last_.end(), has_pose);
+  const bool explained = probabilities.candidates[probabilities.best] > 0;
   if (explained) probabilities_ = probabilities;
   for (std::size_t i = 0; explained && i < last_.size(); ++i) {
     ruled_out_[i] = probabilities_.candidates[i] < kRuledOut;
@@ -321,6 +321,7 @@ localization::ObjectHypothesis PoseEstimator::hold(std::size_t candidate,
     const bool any = std::any_of(resting_.begin(), resting_.end(), has_pose);
     if (any && !has_pose(before)) return kImpossible;
     if (!any) {
+      before.log_evidence = before.log_evidence_other = 0;  // it says nothing of any
       evidence.table = table_at_closing(object, hand, log, options_);
     } else {
       GraspHistory held{*candidates_[candidate], hand, log, closed.front(), at, options_, seed_};

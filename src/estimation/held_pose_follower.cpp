@@ -47,7 +47,9 @@ HeldPoseFollower::HeldPoseFollower(const geometry::ObjectModel& object, hand::De
 void HeldPoseFollower::update(const hand::HandReading& reading) {
   auto& readings = log_.readings;
   if (!readings.empty() && reading.time < readings.back().time) restart(reading.time);
-  if (!readings.empty() && reading.time - readings.back().time > options_.lost_after) forget();
+  if (!readings.empty() && reading.time - readings.back().time > options_.lost_after) {
+    restart(reading.time);  // what was sensed before is not averaged with what is now
+  }
   readings.push_back(reading);
   if (readings.size() >= 2 * kKept) {
     readings.erase(readings.begin(), readings.end() - static_cast<std::ptrdiff_t>(kKept));

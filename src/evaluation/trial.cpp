@@ -62,8 +62,11 @@ void check_candidates(const geometry::ObjectModel& object, const estimation::Can
   if (candidates.empty()) throw BadInput("a trial with 0 candidates");
   const bool known = candidates.size() == 1 && candidates.front() == &object;
   if (known || options.place.target.empty()) return;
-  throw BadInput(fmt::format("placing at {:?} needs one candidate, the object itself; there are {}",
-                             options.place.target, candidates.size()));
+  throw BadInput(fmt::format(
+      "placing at {:?} needs one candidate, the object itself; {}", options.place.target,
+      candidates.size() == 1
+          ? fmt::format("{} is not {}", candidates.front()->object().name, object.object().name)
+          : fmt::format("there are {}", candidates.size())));
 }
 
 /// The pose of another object is never right.
@@ -172,6 +175,16 @@ std::vector<TrialEvent> trial_events(const estimation::EventLog& log) {
   return events;
 }
 
+void check_trial(const geometry::KnownObject& object, const TrialOptions& options,
+                 std::uint64_t seed) {
+  static_cast<void>(options.touch.from_biotacs());
+  static_cast<void>(options.fault.schedule(seed));
+  const auto stable_pose =
+      static_cast<std::size_t>(draw_start(object, options.start, seed).stable_pose);
+  const auto target = place_target(object, options.place, seed, stable_pose);
+  check_clear(place_fixture(object, options.place, target), object, options.start);
+}
+
 Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options,
                 std::uint64_t seed, recording::Sink* sink, const skills::PhaseObserver& observer,
                 std::stop_token stop) {
@@ -182,6 +195,7 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
                 const TrialOptions& options, std::uint64_t seed, recording::Sink* sink,
                 const skills::PhaseObserver& observer, std::stop_token stop) {
   check_candidates(object, candidates, options);
+  check_trial(object.object(), options, seed);
   Trial trial;
   const auto target_from = [&](const simulation::Start& start) {
     return place_target(object.object(), options.place, seed,
@@ -190,7 +204,6 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
   const planning::Fixture fixture =
       place_fixture(object.object(), options.place,
                     target_from(draw_start(object.object(), options.start, seed)));
-  check_clear(fixture, object.object(), options.start);
   const skills::PickOptions pick_options = options.pick_options();
   simulation::WorldOptions world_options = options.world;
   world_options.biotacs = world_options.biotacs || options.touch.from_biotacs();

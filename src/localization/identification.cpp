@@ -21,19 +21,19 @@ namespace palpate::localization {
 namespace {
 
 constexpr double kNever = -std::numeric_limits<double>::infinity();
-constexpr int kSamples = 3000;      // of the mixture
-constexpr double kWidened = 2;      // times the modes' covariances: the tails must be covered
-constexpr double kReference = 0.1;  // m from the centroid, of a surface that is off
+constexpr int kSamples = 3000;       // of the mixture
+constexpr double kWidened = 2;       // times the modes' covariances: the tails must be covered
+constexpr double kObjectSize = 0.1;  // m, over which the surface of another object is off
 
-Matrix6d isotropic(double angle, double step) {
+Matrix6d independent_errors(double angle, double step) {
   Vector6d variance;
   variance << Eigen::Vector3d::Constant(angle * angle), Eigen::Vector3d::Constant(step * step);
   return variance.asDiagonal();
 }
 
 /// A mixture that covers the posterior amply.
-PosePrior covering(const Posterior& posterior, double posed_off) {
-  PosePrior mixture = prior_from(posterior, isotropic(posed_off / kReference, posed_off));
+PosePrior covering(const Posterior& posterior) {
+  PosePrior mixture = prior_from(posterior, Matrix6d::Zero());
   for (auto& component : mixture.components) component.covariance *= kWidened;
   return mixture;
 }
@@ -81,20 +81,52 @@ double log_mean(const std::vector<double>& logs, int count) {
   return most + std::log(sum / count);
 }
 
-Evidence of_another_object(Evidence evidence, double sigma) {
-  evidence.surface_sigma = std::hypot(evidence.surface_sigma, sigma);
-  evidence.penetration_sigma = std::hypot(evidence.penetration_sigma, sigma);
-  return evidence;
+/// What was known of a pose, where each may be off besides. The floor stays the density that
+/// it was.
+PosePrior widened_prior(PosePrior prior, const Matrix6d& covariance) {
+  const double before = PoseMixture(prior).log_peak();
+  for (auto& component : prior.components) component.covariance += covariance;
+  const double scale = std::exp(before - PoseMixture(prior).log_peak());
+  prior.floor = std::min(0.5, scale * prior.floor);  // as spread_elsewhere()
+  return prior;
+}
+
+/// The evidence, of an object whose surface is off the candidate's. Unlike a mesh's error, which
+/// changes within millimetres, that of another object is much the same over a whole side: it raises
+/// or lowers what is touched, and turns it by no more than the error over the object's size, which
+/// is little beside the noise of normals and the lean of what rests.
+Evidence of_another_object(const Evidence& evidence, double sigma) {
+  Evidence other = with_surface_error(evidence);  // the mesh's own
+  const double turn = sigma / kObjectSize;
+  for (tactile::Contact& contact : other.contacts) {
+    contact.point_sigma = std::hypot(contact.point_sigma, sigma);
+    contact.normal_sigma = std::hypot(contact.normal_sigma, turn);
+  }
+  for (PlaneContact& plane : other.planes) plane.sigma = std::hypot(plane.sigma, sigma);
+  if (other.table) {
+    other.table->height_sigma = std::hypot(other.table->height_sigma, sigma);
+    other.table->tilt_sigma = std::hypot(other.table->tilt_sigma, turn);
+  }
+  other.penetration_sigma = std::hypot(other.penetration_sigma, sigma);
+  if (other.prior)
+    other.prior = widened_prior(*std::move(other.prior), independent_errors(turn, sigma));
+  return other;
+}
+
+LocalizerOptions coarser(LocalizerOptions options) {
+  options.proposals /= 2;
+  options.particles /= 2;
+  return options;
 }
 
 }  // namespace
 
 double log_marginal_likelihood(const geometry::ObjectModel& model, const Evidence& evidence,
-                               const Posterior& posterior, double posed_off, RandomStream random,
+                               const Posterior& posterior, RandomStream random,
                                const LocalizerOptions& options) {
   if (posterior.modes.empty()) return kNever;
   const Evidence used = thinned(with_surface_error(evidence));
-  const PoseMixture mixture(covering(posterior, posed_off));
+  const PoseMixture mixture(covering(posterior));
   const Energy energy = EnergyMaker(model, used, options)(1);
   const auto symmetries = alike(model, used);
   std::vector<double> logs;
@@ -113,12 +145,13 @@ ObjectHypothesis hypothesis_of(const geometry::ObjectModel& model, const Evidenc
                                const IdentificationOptions& identification) {
   ObjectHypothesis hypothesis;
   hypothesis.posterior = localize(model, evidence, random, options);
-  hypothesis.log_evidence = log_marginal_likelihood(model, evidence, hypothesis.posterior, 0,
+  hypothesis.log_evidence = log_marginal_likelihood(model, evidence, hypothesis.posterior,
                                                     random.fork("evidence"), options);
-  const double sigma = identification.other_sigma;
-  hypothesis.log_evidence_other =
-      log_marginal_likelihood(model, of_another_object(evidence, sigma), hypothesis.posterior,
-                              sigma, random.fork("other"), options);
+  // The poses that fit less exactly lie farther apart than the candidate's, and need fewer samples.
+  const Evidence other = of_another_object(evidence, identification.other_sigma);
+  const RandomStream its = random.fork("other");
+  hypothesis.log_evidence_other = log_marginal_likelihood(
+      model, other, localize(model, other, its, coarser(options)), its.fork("evidence"), options);
   return hypothesis;
 }
 

@@ -98,6 +98,13 @@ class Output(CliTest):
         for name in ["eval.json", "trials.csv"]:  # trials.jsonl holds wall times, too
             self.assertEqual(self.read(f"all/{name}"), self.read(f"whole/{name}"), name)
         self.assertEqual(merged.stdout.encode(), self.read("whole/eval.json"))
+        for name in ("config.toml", "manifest.json"):  # of another evaluation
+            self.write(f"all/{name}", "old")
+        again = self.run_program("merge", "part1", "part2", "part3", "--out", "all", "--force")
+        self.assertEqual(sorted(path.name for path in (self.folder / "all").iterdir()),
+                         ["eval.json", "trials.csv", "trials.jsonl"])
+        expected = f"Next: palpate pick --object box {' '.join(SHORT)} --seed 40 repeats".replace("--quiet ", "")
+        self.assertIn(expected, again.stdout)
         twice = self.run_program("merge", "part2", "part1", "part3", "part1", "--out", "twice", "--json")
         self.assertEqual(twice.stdout, merged.stdout)
 
@@ -114,6 +121,51 @@ class Output(CliTest):
         self.assert_refused(BAD_INPUT, ["merge", "part1", "other"], "other settings")
         self.assert_refused(BAD_INPUT, [*both, "--shard", "4/3", "--out", "new"], "4/3")
         self.assert_refused(BAD_INPUT, [*both, "--shard", "1/3"], "--out")
+
+    def test_what_cannot_be_is_refused_before_earlier_results_are_lost(self):
+        self.write("part.stl", cli.box_stl(0.06, 0.05, 0.08))
+        kept = self.folder / "kept"
+        kept.mkdir()
+        results = ["trials.jsonl", "trials.csv", "eval.json", "faults.json", "recording.h5", "report.json"]
+        for name in results:
+            (kept / name).write_text("kept")
+        walled = ["--at", "0.25,0.15", "--place", "fixture"]
+        for arguments in (
+            ["eval", "--candidates", "part.stl,nosuch.stl"],
+            ["eval", "--candidates", "generated:0-10"],
+            ["eval", "--candidates", "box,mug", "--mass", "0.2"],
+            ["eval", *walled],
+            ["pick", *walled],
+            ["eval", "--set", "expert.fault.kind=nonsense"],
+            ["pick", "--set", "expert.fault.kind=nonsense"],
+            ["pick", "--true-object", "box", "--place", "random"],
+            ["eval", "--faults", "load_nan", "--set", "start.stable_pose=99"],
+        ):
+            self.assert_refused(BAD_INPUT, [*arguments, "--object", "part.stl", "--out", "kept", "--force"])
+            self.assertEqual([(kept / name).read_text() for name in results], len(results) * ["kept"])
+            self.assert_refused(BAD_INPUT, [*arguments, "--object", "part.stl", "--out", "new"])
+
+    def test_an_evaluation_goes_on_only_with_the_same_meshes_and_program(self):
+        self.write("part.stl", cli.box_stl(0.06, 0.05, 0.08))
+        shards = ["eval", "--object", "part.stl", "--candidates", "part.stl,mug", "--trials", "2",
+                  "--seed", "40", "--json", *SHORT]  # fmt: skip
+        for i in (1, 2):
+            self.run_program(*shards, "--shard", f"{i}/2", "--out", f"part{i}")
+            self.write("part.stl", cli.box_stl(0.06, 0.05, 0.09))
+        self.assert_refused(BAD_INPUT, ["merge", "part1", "part2"], "part1", "part2", "other settings")
+        self.assert_refused(BAD_INPUT, [*shards, "--shard", "1/2", "--out", "part1", "--resume"], "other settings")
+
+        header, *trials = (self.folder / "part2/trials.jsonl").read_text().splitlines()
+        other = json.dumps(json.loads(header) | {"commit": "of before"})
+        self.write("before.jsonl", "\n".join([other, *trials, ""]))
+        self.assert_refused(BAD_INPUT, ["merge", "part2", "before.jsonl"], "of before", "built from")
+        foreign = json.dumps(json.loads(trials[0]) | {"seed": 4000})
+        self.write("foreign.jsonl", "\n".join([header, *trials, foreign, ""]))
+        self.assert_refused(BAD_INPUT, ["merge", "part2", "foreign.jsonl"], "part.stl with seed 4000")
+        changed = json.loads(trials[0])
+        changed["trial"]["weights"] = [*changed["trial"]["weights"], 0.5]
+        self.write("changed.jsonl", "\n".join([header, json.dumps(changed), ""]))
+        self.assert_refused(BAD_INPUT, ["merge", "part2", "changed.jsonl"], "different programs")
 
     def test_half_a_line_of_a_killed_run_is_dropped(self):
         self.run_program(*EVAL, "--out", "whole")

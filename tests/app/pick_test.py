@@ -45,6 +45,27 @@ class Units(CliTest):
             self.assert_refused(BAD_INPUT, [command, "--object", "box", "--units", "mm", "--out", "new"],
                                 "--units mm is of mesh files, and box is none")  # fmt: skip
 
+    def test_a_candidate_in_millimetres(self):
+        self.write("mm.stl", box_stl(60, 50, 80))
+        done = self.run_program("pick", "--object", "box", "--true-object", "mm.stl", "--units", "mm",
+                                "--out", "run", *ABORTED)  # fmt: skip
+        self.assertEqual(done.returncode, STOPPED, done.stderr)
+
+    def test_repairs_are_reported(self):
+        corners = [(0.06 * (i & 1), 0.05 * (i >> 1 & 1), 0.08 * (i >> 2 & 1)) for i in range(8)]
+        self.write("inverted.stl", binary_stl([
+            (0, 1, 2), (1, 3, 2), (4, 6, 5), (5, 6, 7), (0, 4, 1), (1, 4, 5),
+            (2, 3, 6), (3, 7, 6), (0, 2, 4), (2, 6, 4), (1, 5, 3), (3, 5, 7),
+        ], corners))  # fmt: skip
+        done = self.run_program("pick", "--object", "inverted.stl", "--out", "run", *ABORTED)
+        self.assertIn("mesh of inverted.stl repaired: ", done.stdout)
+        report = json.loads((self.folder / "run/report.json").read_text())
+        self.assertTrue(report["repairs"]["inverted.stl"])
+
+
+# Ends before anything is touched, for tests of what is written.
+ABORTED = ["--set", "expert.fault.kind=load_nan", "--set", "expert.fault.from=0.1"]
+
 
 class BadInput(CliTest):
     def assert_bad_object(self, name, *words):
@@ -116,16 +137,21 @@ class BadInput(CliTest):
             self.assert_bad_option(["--at", at], "--at", at)
         self.assert_bad_option(["--at", "0,0,0.02", "--set", "start.uncertainty=0.05"],
                                "--at 0,0,0.02", "start.uncertainty is set to 0.05")
+        self.assert_bad_option(["--at", "0,0,0.02", "--set", "start.uncertainty=0.04"],  # the default
+                               "--at 0,0,0.02", "start.uncertainty is set to 0.04")
         for command in ["pick", "eval"]:
             self.assert_refused(USAGE, [command, "--mass", "-1", "--out", "new"], "--mass")
 
     def test_candidates_that_cannot_be(self):
         many = ",".join(f"generated:{seed}" for seed in range(11))
+        part = self.write("part.stl", box_stl(0.06, 0.05, 0.08))
         for arguments, words in [
             ([many], ["11 objects", "at most 10"]),
             (["box,mug,box"], ["box", "twice"]),
             (["box,mug", "--mass", "0.2"], ["--mass", "2 objects"]),
             (["box,mug", "--place", "random"], ["random", "one object"]),
+            (["box", "--true-object", "mug", "--place", "random"], ["random", "mug is not box"]),
+            ([f"{part},./{part}"], ["twice", f"the other time as {part}"]),
         ]:
             self.assert_refused(BAD_INPUT, ["pick", "--object", *arguments, "--out", "new"], *words)
 
@@ -153,7 +179,9 @@ class Results(CliTest):
         lift = next(phase for phase in report["phases"] if phase["name"] == "lift")
         self.assertIn("of 2.45 N", lift["outcome"])
         again = self.run_program("replay", "run/recording.h5", "--json")
-        mode = json.loads(again.stdout)["modes"][0]
+        replayed = json.loads(again.stdout)
+        self.assertIsNone(replayed["pick_weighed"])
+        mode = replayed["modes"][0]
         self.assertEqual(mode["T_world_object"], report["estimate"]["T_world_object"])
 
     def test_which_of_several_objects_it_is(self):
@@ -169,6 +197,10 @@ class Results(CliTest):
         self.assertLessEqual(estimate["probability"], mug)
         for mode in estimate["modes"]:
             self.assertLessEqual(mode["weight"], mug)
+        self.assertIn("of mug alone, which was simulated; the pick weighed box,mug,bracket\n",
+                      self.run_program("replay", "run").stdout)  # fmt: skip
+        replayed = json.loads(self.run_program("replay", "run", "--json").stdout)
+        self.assertEqual(replayed["pick_weighed"], "box,mug,bracket")
 
     def test_pick_reports_and_its_recording_gives_the_same_pose(self):
         report = self.run_json("pick", "--object", "box", "--seed", "7", "--out", "run", *QUICK)
@@ -318,7 +350,9 @@ class Results(CliTest):
             self.assertEqual(share, report[key], key)
         lifted = [row for row in rows if int(row["lifted"])]
         covered = sum(int(row["covered"]) for row in lifted)
-        self.assertEqual(covered / max(1, len(lifted)), report["coverage"])
+        self.assertEqual(covered / len(lifted) if lifted else None, report["coverage"])
+        self.assertIsNone(report["placed_of_certain"])  # nothing was to be placed
+        self.assertEqual(report["repairs"], [])
 
 
 if __name__ == "__main__":

@@ -243,6 +243,37 @@ TEST(Candidates, OfWhichTheObjectIsNoneAreNotCertain) {
   EXPECT_LT(localization::best_probability(held.posterior), 0.5);
 }
 
+/// The log of the box, its touches so far apart that no pose of anything explains them.
+EventLog with_touches_apart() {
+  constexpr std::size_t kReadings = 300;  // before a touch
+  EventLog log = scene().log;
+  double apart = 0;
+  for (const std::size_t touched : log.all(TouchEvent::touched)) {
+    apart += 0.15;
+    for (std::size_t i = touched - std::min(touched, kReadings); i <= touched; ++i) {
+      log.readings[i].base.xyz.x() = scene().log.readings[i].base.xyz.x() + apart;
+    }
+  }
+  return log;
+}
+
+TEST(Candidates, AreDistinguishedInTheHandWhereNoneExplainsTheTouchesBefore) {
+  ASSERT_TRUE(scene().picked.held);
+  const geometry::ObjectModel mug(geometry::load_known_object("mug"));
+  const PickedBox& s = scene();
+  const EventLog log = with_touches_apart();
+  PoseEstimator estimator(Candidates{&mug, &s.object}, s.locate_options, PickedBox::kSeed);
+  ASSERT_EQ(estimator.resting(s.model, log).status, localization::PoseStatus::no_pose);
+  EXPECT_EQ(estimator.probabilities().candidates, std::vector<double>(2, 0.5));
+  for (const TouchEvent instant : {TouchEvent::closed, TouchEvent::held}) {
+    const auto held = estimator.held(s.model, log, log.at(instant));
+    const auto& found = estimator.probabilities();
+    EXPECT_NEAR(found.candidates[0] + found.candidates[1] + found.other, 1, 1e-9);
+    EXPECT_GT(found.candidates[1], found.candidates[0]);
+    EXPECT_FALSE(held.posterior.modes.empty());
+  }
+}
+
 TEST(Candidates, ThatAreNoneAreRefused) {
   EXPECT_THROW(PoseEstimator(Candidates{}, {}, 1), BadInput);
 }

@@ -126,6 +126,8 @@ TEST_F(HeldPoseFollowerTest, ForgetsWhatItHasNotHeardOfForLong) {
   tick += static_cast<int>(2 * options.lost_after / hand::kTick);
   held.update(reading({0, 0, 0.3}, true));
   EXPECT_TRUE(held.posterior().modes.empty());
+  EXPECT_TRUE(held.due());
+  EXPECT_EQ(held.task().log.readings.size(), 1U);  // what it may hold now is another object
 }
 
 TEST_F(HeldPoseFollowerTest, BeginsAgainWhereTheClockIsSetBack) {

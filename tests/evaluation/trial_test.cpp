@@ -314,6 +314,25 @@ TEST(Evaluation, OfFinishedTrialsPreparesNothing) {
   EXPECT_EQ(trials, 2u);
 }
 
+TEST(CheckTrial, RefusesWhatNoTrialCanBeOf) {
+  const geometry::KnownObject box = geometry::load_known_object("box");
+  EXPECT_NO_THROW(check_trial(box, {}, kSeed));
+  const auto refused = [&](const auto& change) {
+    TrialOptions options;
+    change(options);
+    EXPECT_THROW(check_trial(box, options, kSeed), BadInput);
+  };
+  refused([](TrialOptions& o) { o.touch.source = "skin"; });
+  refused([](TrialOptions& o) { o.fault.kind = "nonsense"; });
+  refused([](TrialOptions& o) { o.start.stable_pose = 99; });
+  refused([](TrialOptions& o) { o.place.target = "shelf"; });
+  refused([](TrialOptions& o) {  // where the fixture stands
+    o.place.target = "fixture";
+    o.start.x = 0.25;
+    o.start.y = 0.15;
+  });
+}
+
 TEST(TrialOptions, TheExampleOfAConfigurationNamesTheDefaults) {
   TrialOptions options;
   load_toml(PALPATE_CONFIGS "/pick.toml", options);

@@ -9,6 +9,7 @@
 
 #include "localization/searches.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/geometry/mesh/sampling.hpp"
 
 namespace palpate::localization {
 namespace {
@@ -27,7 +28,7 @@ TEST(MarginalLikelihood, IsOneOfEvidenceThatIsOnlyAPrior) {
   Evidence evidence;
   evidence.prior = PosePrior{{{Eigen::Isometry3d::Identity(), 1, covariance(0.06, 0.003)}}, 1e-12};
   const double log =
-      log_marginal_likelihood(model_of("bracket"), evidence, posterior, 0, RandomStream(1));
+      log_marginal_likelihood(model_of("bracket"), evidence, posterior, RandomStream(1));
   EXPECT_NEAR(log, 0, 0.05);
 }
 
@@ -44,12 +45,12 @@ TEST(MarginalLikelihood, IsThatOfTheContactWhereItHardlyLimitsThePose) {
   contact.normal_sigma = 0.17;
   evidence.contacts = {contact};
   const double log =
-      log_marginal_likelihood(model_of("bracket"), evidence, posterior, 0, RandomStream(1));
+      log_marginal_likelihood(model_of("bracket"), evidence, posterior, RandomStream(1));
   EXPECT_NEAR(log, 0, 0.05);  // relative to a false contact
 }
 
 TEST(MarginalLikelihood, OfNoModesIsNought) {
-  EXPECT_EQ(log_marginal_likelihood(model_of("bracket"), {}, {}, 0, RandomStream(1)), kNever);
+  EXPECT_EQ(log_marginal_likelihood(model_of("bracket"), {}, {}, RandomStream(1)), kNever);
 }
 
 TEST(ObjectProbabilities, ShareTheMassWithOneThatIsNoneOfThem) {
@@ -119,6 +120,70 @@ TEST(Identification, OfAnObjectThatIsNoneOfThemIsNotCertain) {
     certain += result.candidates[result.best] > 0.5;
   }
   EXPECT_EQ(certain, 0);
+}
+
+geometry::ObjectModel box_larger_by(double more) {
+  const Eigen::Vector3d half = (Eigen::Vector3d(0.06, 0.05, 0.08).array() + more) / 2;
+  geometry::TriangleMesh mesh;
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3d signs(i & 4 ? 1 : -1, i & 2 ? 1 : -1, i & 1 ? 1 : -1);
+    mesh.vertices.push_back(signs.cwiseProduct(half));
+  }
+  mesh.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
+                    {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
+  return geometry::ObjectModel(geometry::make_known_object("box", mesh, 0.1));
+}
+
+/// Noisy contacts all over the object.
+Evidence touched_all_over(const geometry::ObjectModel& object, int count, std::uint64_t seed) {
+  RandomStream random(seed, "touched");
+  Evidence evidence;
+  for (const auto& sample : geometry::sample_surface(object.object().mesh, count, random)) {
+    tactile::Contact contact;
+    contact.p = sample.point;
+    contact.n = sample.normal;
+    disturb(contact, {}, random);
+    evidence.contacts.push_back(contact);
+  }
+  evidence.contact_area = 0.024;
+  return evidence;
+}
+
+double other_than_the_box(const geometry::ObjectModel& touched, int count, std::uint64_t seed) {
+  static const geometry::ObjectModel box = box_larger_by(0);
+  const Evidence evidence = touched_all_over(touched, count, seed);
+  return object_probabilities({hypothesis_of(box, evidence, RandomStream(seed), {}, {})}, {}).other;
+}
+
+TEST(Identification, OfAnObjectSomeMillimetresLargerThanTheCandidateNamesAnother) {
+  for (const double more : {0.008, 0.012}) {
+    const geometry::ObjectModel larger = box_larger_by(more);
+    for (const int count : {12, 16, 20}) {
+      for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+        EXPECT_GT(other_than_the_box(larger, count, seed), 0.9) << more << ", " << count;
+      }
+    }
+  }
+}
+
+TEST(Identification, OfTheCandidateItselfNamesNoOther) {
+  const geometry::ObjectModel same = box_larger_by(0);
+  for (const int count : {8, 12, 20}) {
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+      EXPECT_LT(other_than_the_box(same, count, seed), 0.05) << count;
+    }
+  }
+}
+
+/// What was known before is of the candidate's surface, too.
+TEST(Identification, APoseThatWasKnownHoldsAnotherObjectLessExactly) {
+  const geometry::ObjectModel box = box_larger_by(0);
+  Evidence evidence = touched_all_over(box_larger_by(0.012), 12, 3);
+  evidence.prior = PosePrior{
+      {{Eigen::Isometry3d(Eigen::Translation3d(0.006, 0.006, 0.006)), 1, covariance(0.01, 0.001)}},
+      1e-9};
+  const auto hypothesis = hypothesis_of(box, evidence, RandomStream(3), {}, {});
+  EXPECT_GT(hypothesis.log_evidence_other, hypothesis.log_evidence + 3);
 }
 
 }  // namespace

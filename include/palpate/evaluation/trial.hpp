@@ -122,7 +122,7 @@ struct TrialMetrics {
   localization::PoseError error_no_symmetry;  ///< every pose of a symmetric object distinct
   bool pose_ok = false;                       ///< within 5 deg and 10 mm
   bool pose_tight = false;                    ///< within 2.5 deg and 3.5 mm
-  bool covered = false;                       ///< by the modes and the residual credible set
+  bool covered = false;                       ///< by the modes: localization::covers()
   localization::PoseStatus status = localization::PoseStatus::no_pose;
   double probability = 0;            ///< stated for the best pose
   double free_extent = 0;            ///< rad, to either side about its free axis; 0: it has none
@@ -170,6 +170,12 @@ struct Trial {
   PlaceMetrics place_metrics;
   skills::StrategyTaken strategy;  ///< by which it was to be placed
 };
+
+/// What run_trial() checks of an object before anything moves, for who is about to write files.
+/// @throws BadInput for a source of contacts, a fault, a stable pose or a target that cannot be, or
+///         a fixture where the object may stand
+void check_trial(const geometry::KnownObject& object, const TrialOptions& options,
+                 std::uint64_t seed);
 
 /// One pick in simulation, with placing if options.place has a target, evaluated afterwards.
 /// Neither is given the world, only the hand.

@@ -31,11 +31,10 @@ struct ObjectHypothesis {
 /// ln of the integral of prior times likelihood over all poses, by importance sampling from a
 /// mixture about the posterior's modes and residual set (Robert & Casella 2004, ch. 3). Comparable
 /// between objects for the same evidence with Evidence::contact_area.
-/// @param posterior  of localize(), of this evidence or of the same with less noise
-/// @param posed_off  m, by which the poses may lie farther from the posterior's than it says
+/// @param posterior  of localize(), of this evidence
 /// @return minus infinity for a posterior without modes
 double log_marginal_likelihood(const geometry::ObjectModel& model, const Evidence& evidence,
-                               const Posterior& posterior, double posed_off, RandomStream random,
+                               const Posterior& posterior, RandomStream random,
                                const LocalizerOptions& options = {});
 
 /// Searches as localize() and weighs the object against others.
