@@ -42,10 +42,14 @@ class FingerSensor {
     touched_ = touched_ || !frame.contacts.empty();
     const tactile::NormalEstimate estimate = estimator_->update(sample);
     if (estimate.status == tactile::NormalStatus::tracked) place(estimate);
+    for (const auto& late : estimator_->take_late()) place(late);
   }
 
   bool touched() const { return touched_; }
-  SensedStream take_stream() { return std::move(stream_); }
+  SensedStream take_stream() {
+    for (const auto& late : estimator_->take_late(true)) place(late);
+    return std::move(stream_);
+  }
 
  private:
   /// Puts an estimate to the sample that it describes, which may lie some time back.

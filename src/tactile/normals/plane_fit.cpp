@@ -25,7 +25,14 @@ Eigen::Vector3d against(const Eigen::Vector3d& f, const Eigen::Vector3d& n) {
 
 }  // namespace
 
-PlaneFitEstimator::PlaneFitEstimator(const PlaneFitOptions& options) : options_(checked(options)) {}
+PlaneFitEstimator::PlaneFitEstimator(const PlaneFitOptions& options)
+    : options_(checked(options)), lifts_(options.forget_after) {}
+
+void PlaneFitEstimator::start() {
+  window_.clear();
+  n_.reset();
+  covariance_.reset();
+}
 
 void PlaneFitEstimator::fit(const Eigen::Vector3d& f) {
   const auto count = static_cast<double>(window_.size());
@@ -51,10 +58,8 @@ void PlaneFitEstimator::fit(const Eigen::Vector3d& f) {
 }
 
 NormalEstimate PlaneFitEstimator::update(const FingerSample& sample) {
+  if (lifts_.begins(sample)) start();
   if (!sample.flags.usable()) return held(sample.time, n_, covariance_);
-  if (!window_.empty() && sample.time - window_.back().time > options_.forget_after) {
-    *this = PlaneFitEstimator(options_);
-  }
   window_.push_back(sample);
   while (sample.time - window_.front().time > options_.window) window_.pop_front();
   if (window_.size() >= kMinPoints) fit(sample.f);
@@ -62,7 +67,14 @@ NormalEstimate PlaneFitEstimator::update(const FingerSample& sample) {
 }
 
 EigenvectorEstimator::EigenvectorEstimator(const EigenvectorOptions& options)
-    : options_(checked(options)), low_pass_(options.low_pass) {}
+    : options_(checked(options)), lifts_(options.forget_after), low_pass_(options.low_pass) {}
+
+void EigenvectorEstimator::start() {
+  low_pass_.clear();
+  squares_.setZero();
+  last_.reset();
+  n_.reset();
+}
 
 void EigenvectorEstimator::learn(const FingerSample& sample, double dt) {
   const Eigen::Vector3d v = low_pass_.add((sample.p - last_->p) / dt);
@@ -77,10 +89,8 @@ void EigenvectorEstimator::learn(const FingerSample& sample, double dt) {
 }
 
 NormalEstimate EigenvectorEstimator::update(const FingerSample& sample) {
+  if (lifts_.begins(sample)) start();
   if (!sample.flags.usable()) return held(sample.time, n_, {});
-  if (last_ && sample.time - last_->time > options_.forget_after) {
-    *this = EigenvectorEstimator(options_);
-  }
   if (last_ && sample.time > last_->time) learn(sample, sample.time - last_->time);
   last_ = sample;
   return tracked(sample.time, n_, {});

@@ -5,6 +5,7 @@
 
 #include "palpate/tactile/normals/normal_estimator.hpp"
 #include "tactile/normals/filters.hpp"
+#include "tactile/normals/lift_detector.hpp"
 
 namespace palpate::tactile {
 
@@ -30,9 +31,11 @@ class PlaneFitEstimator final : public NormalEstimator {
   NormalEstimate update(const FingerSample& sample) override;
 
  private:
+  void start();
   void fit(const Eigen::Vector3d& f);
 
   PlaneFitOptions options_;
+  LiftDetector lifts_;
   std::deque<FingerSample> window_;
   std::optional<Eigen::Vector3d> n_;
   std::optional<Eigen::Matrix3d> covariance_;
@@ -65,9 +68,11 @@ class EigenvectorEstimator final : public NormalEstimator {
   NormalEstimate update(const FingerSample& sample) override;
 
  private:
+  void start();
   void learn(const FingerSample& sample, double dt);
 
   EigenvectorOptions options_;
+  LiftDetector lifts_;
   RollingMean low_pass_;
   Eigen::Matrix3d squares_ = Eigen::Matrix3d::Zero();
   std::optional<FingerSample> last_;

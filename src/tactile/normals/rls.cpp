@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tactile/normals/rls.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
 #include "palpate/core/option_check.hpp"
 #include "palpate/core/se3.hpp"
 #include "tactile/normals/estimate_status.hpp"
@@ -8,7 +11,14 @@
 namespace palpate::tactile {
 
 RlsEstimator::RlsEstimator(const RlsOptions& options)
-    : options_(checked(options)), low_pass_(options.low_pass) {}
+    : options_(checked(options)), lifts_(options.forget_after), low_pass_(options.low_pass) {}
+
+void RlsEstimator::forget() {
+  low_pass_.clear();
+  last_.reset();
+  last_v_.reset();
+  n_.reset();
+}
 
 /// n0 = v1 x v0 (eq. 5.4), or the direction against the force.
 void RlsEstimator::start(const FingerSample& sample, const Eigen::Vector3d& v) {
@@ -26,25 +36,37 @@ void RlsEstimator::start(const FingerSample& sample, const Eigen::Vector3d& v) {
 /// Eqs 5.5-5.7.
 void RlsEstimator::learn(const Eigen::Vector3d& f, const Eigen::Vector3d& v, double dt) {
   const Eigen::Vector3d w = f.cross(v);
-  const double keep = 1 - options_.decay * dt, take = dt * options_.gain;
+  const double keep = options_.literal ? 1 - options_.decay * dt : std::exp(-options_.decay * dt);
+  const double held = options_.literal || options_.decay == 0
+                          ? dt
+                          : -std::expm1(-options_.decay * dt) / options_.decay;
+  const double take = held * options_.gain;
   L1_ = keep * L1_ + take / (1 + v.squaredNorm()) * v * v.transpose();
   L2_ = keep * L2_ + take / (1 + w.squaredNorm()) * w * w.transpose();
 }
 
-/// Eqs 5.8-5.10.
+/// Eqs 5.8-5.10. As printed they are an Euler step, which diverges where the gain times dt exceeds
+/// 2; otherwise the gradient's flow over dt with L1 and L2 held, which is exact for any dt: n turns
+/// as exp(-dt (gamma1 L1 + gamma2 L2)) n does.
 void RlsEstimator::turn(const Eigen::Vector3d& f, double dt) {
-  const Eigen::Vector3d rate = -(options_.gamma1 * L1_ + options_.gamma2 * L2_) * *n_;
-  const Eigen::Vector3d omega = n_->cross(rate);
-  const double step = options_.literal ? dt / 2 : dt;
-  n_ = (exp_so3(step * omega) * *n_).normalized();
-  if (!options_.literal && n_->dot(f) > 0) *n_ *= -1;
+  const Eigen::Matrix3d M = options_.gamma1 * L1_ + options_.gamma2 * L2_;
+  if (options_.literal) {
+    n_ = (exp_so3(dt / 2 * n_->cross(-M * *n_)) * *n_).normalized();
+    return;
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  eigen.computeDirect(M);
+  const Eigen::Vector3d rates = (eigen.eigenvalues().array() - eigen.eigenvalues()[0]).max(0.0);
+  const Eigen::Vector3d shrunk = (-dt * rates).array().exp();
+  const Eigen::Matrix3d& axes = eigen.eigenvectors();
+  const Eigen::Vector3d turned = axes * shrunk.cwiseProduct(axes.transpose() * *n_);
+  if (turned.norm() > 0) n_ = turned.normalized();
+  if (n_->dot(f) > 0) *n_ *= -1;
 }
 
 NormalEstimate RlsEstimator::update(const FingerSample& sample) {
+  if (lifts_.begins(sample)) forget();
   if (!sample.flags.usable()) return held(sample.time, n_, {});
-  if (last_ && sample.time - last_->time > options_.forget_after) {
-    *this = RlsEstimator(options_);
-  }
   if (last_ && sample.time > last_->time) {
     const double dt = sample.time - last_->time;
     const Eigen::Vector3d v = low_pass_.add((sample.p - last_->p) / dt);

@@ -3,6 +3,7 @@
 
 #include "palpate/tactile/normals/normal_estimator.hpp"
 #include "tactile/normals/filters.hpp"
+#include "tactile/normals/lift_detector.hpp"
 
 namespace palpate::tactile {
 
@@ -43,11 +44,13 @@ class RlsEstimator final : public NormalEstimator {
   NormalEstimate update(const FingerSample& sample) override;
 
  private:
+  void forget();
   void start(const FingerSample& sample, const Eigen::Vector3d& v);
   void learn(const Eigen::Vector3d& f, const Eigen::Vector3d& v, double dt);
   void turn(const Eigen::Vector3d& f, double dt);
 
   RlsOptions options_;
+  LiftDetector lifts_;
   RollingMean low_pass_;
   Eigen::Matrix3d L1_ = Eigen::Matrix3d::Zero(), L2_ = Eigen::Matrix3d::Zero();
   std::optional<FingerSample> last_;

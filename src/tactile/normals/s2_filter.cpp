@@ -22,13 +22,17 @@ constexpr double kStartRatio = 0.5;
 constexpr double kStartSpeed = 0.03;    // m/s
 constexpr double kStartPlace = 1e-3;    // m
 constexpr double kStartCurvature = 20;  // 1/m
+constexpr double kShareTime = 0.01;     // s, that the options' shares refer to
+constexpr double kMaxOthers = 0.9;      // prior of all hypotheses but the first, after a long dt
 constexpr double kStartShare = 0.05;    // of each hypothesis but the first
 
-constexpr double kMinPress = 0.2;   // of a force along the normal; less means to be lost
-constexpr double kGate = 6;         // squared innovation over its variance of a usual outlier
-constexpr double kJump = 9;         // squared innovation over its variance of no usual tick
-constexpr double kSlides = 2;       // speed over its uncertainty
-constexpr double kMinSpeed = 1e-4;  // m/s
+constexpr double kMinPress = 0.2;    // of a force along the normal; less means to be lost
+constexpr double kGate = 6;          // squared innovation over its variance of a usual outlier
+constexpr double kJump = 9;          // squared innovation over its variance of no usual tick
+constexpr double kSlides = 2;        // speed over its uncertainty
+constexpr double kSlideTime = 0.25;  // s
+constexpr double kSlideGate = 5;     // way in that time over its uncertainty
+constexpr double kMinSpeed = 1e-4;   // m/s
 
 // Tip normals are too noisy for one of them to show that the normal turned unnoticed, but their
 // mean over some ticks is not. 1 % of the time it is as far off as kLagGate by chance (chi2, 2
@@ -54,6 +58,7 @@ double squared(double x) { return x * x; }
 
 S2Filter::S2Filter(const S2Options& options)
     : options_(checked(options)),
+      lifts_(options.forget_after),
       force_noise_(3, kForceNoise, kMinForceNoise, kMemory),
       point_noise_(3, kPointNoise, kMinPointNoise, kMemory),
       tip_noise_(2, kTipNoise, kMinTipNoise, kMemory),
@@ -65,6 +70,7 @@ void S2Filter::start(const FingerSample& sample) {
   ratio_.setZero();
   velocity_.setZero();
   p_ = sample.p;
+  behind_ = sample.p;
   curvature_ = 0;
   Vector sigma;
   sigma << kStartTilt, kStartTilt, kStartRatio, kStartRatio, kStartSpeed, kStartSpeed, kStartPlace,
@@ -73,6 +79,9 @@ void S2Filter::start(const FingerSample& sample) {
   weight_.fill(kStartShare);
   weight_[0] = 1 - kStartShare * (kHypotheses - 1);
   step_.anew = true;
+  step_.stillness = 0;
+  slides_ = false;
+  measured_ = sample.tip_normal.has_value();
   tip_lag_.setZero();
   slip_.setZero();
   started_ = true;
@@ -86,7 +95,7 @@ bool S2Filter::lost(const FingerSample& sample) const {
 void S2Filter::predict(double dt) {
   const Eigen::Matrix<double, 3, 2> B = R_.leftCols<2>();
   Matrix F = Matrix::Identity();
-  F.block<3, 2>(kPlace, kTilt) = -dt * R_.col(2) * velocity_.transpose();
+  if (slides_) F.block<3, 2>(kPlace, kTilt) = -dt * R_.col(2) * velocity_.transpose();
   F.block<3, 2>(kPlace, kVelocity) = dt * B;
   F.block<2, 2>(kTilt, kVelocity).diagonal().setConstant(dt * curvature_);
   F.block<2, 1>(kTilt, kCurvature) = dt * velocity_;
@@ -128,8 +137,18 @@ void S2Filter::measure_tip(const Eigen::Vector3d& tip_normal) {
   }
 }
 
+/// Whether the point moves by more than its noise: over kSlideTime, because in every tick the noise
+/// alone looks like a velocity.
+void S2Filter::follow_slide(double dt) {
+  behind_ += -std::expm1(-dt / kSlideTime) * (p_ - behind_);
+  const Eigen::Vector2d way = R_.leftCols<2>().transpose() * (p_ - behind_);
+  slides_ = way.norm() > kSlideGate * std::sqrt(P_.block<3, 3>(kPlace, kPlace).trace());
+  measured_ = measured_ || slides_;
+}
+
 /// Friction is along the sliding, where there is any: ratio x velocity / speed = 0.
 void S2Filter::measure_friction() {
+  if (!slides_) return;
   const double speed = velocity_.norm();
   if (speed < kSlides * std::sqrt(P_.block<2, 2>(kVelocity, kVelocity).trace())) return;
   const Eigen::Vector2d u = velocity_ / speed;
@@ -202,19 +221,26 @@ std::array<S2Filter::Vector, S2Filter::kHypotheses> S2Filter::process_variances(
     v[kCurvature] = squared(options_.curvature_rate) * dt;
     return v;
   };
+  Vector turn =
+      variances(options_.tilt_rate, options_.turn_ratio_rate, options_.turn_acceleration * q);
+  turn.segment<2>(kVelocity).array() += velocity_.squaredNorm();  // a sharp one, within a tick
   return {variances(options_.tilt_rate, ratio, q), variances(options_.edge_tilt_rate, ratio, q),
-          variances(options_.tilt_rate, options_.turn_ratio_rate, options_.turn_acceleration * q),
-          variances(options_.roll_tilt_rate, ratio, q)};
+          turn, variances(options_.roll_tilt_rate, ratio, q)};
 }
 
 /// Probabilities of the hypotheses before the tick's measurements.
-std::array<double, S2Filter::kHypotheses> S2Filter::prior() const {
-  const double leaving = weight_[0] + (1 - options_.stay) * (1 - weight_[0]);
-  std::array<double, kHypotheses> result = {0, options_.edge_share, options_.turn_share,
-                                            options_.roll_share};
-  result[0] = 1 - result[1] - result[2] - result[3];
+std::array<double, S2Filter::kHypotheses> S2Filter::prior(double dt) const {
+  const double steps = dt / kShareTime;
+  const double stay = std::pow(options_.stay, steps);
+  const auto share = [&](double p) { return -std::expm1(steps * std::log1p(-p)); };
+  const double leaving = weight_[0] + (1 - stay) * (1 - weight_[0]);
+  std::array<double, kHypotheses> result = {0, share(options_.edge_share),
+                                            share(options_.turn_share), share(options_.roll_share)};
+  const double others = result[1] + result[2] + result[3];
+  for (double& p : result) p *= std::min(1.0, kMaxOthers / others);
+  result[0] = 1 - std::min(others, kMaxOthers);
   for (std::size_t k = 0; k < kHypotheses; ++k) {
-    result[k] = result[k] * leaving + (k > 0 ? options_.stay * weight_[k] : 0);
+    result[k] = result[k] * leaving + (k > 0 ? stay * weight_[k] : 0);
   }
   return result;
 }
@@ -295,7 +321,7 @@ NormalEstimate S2Filter::estimate(double time, NormalStatus status) const {
   if (!started_) return estimate_of(time, status, {}, {});
   // A normal that is not measured may roll away.
   const double unseen = squared(options_.roll_tilt_rate) * std::max(0.0, time - time_);
-  const double still = 1 - kStillness * weight_[0];
+  const double still = 1 - step_.stillness;
   const Eigen::Matrix2d P =
       still * tilt_covariance() + missed_turn() + unseen * Eigen::Matrix2d::Identity();
   const Eigen::Matrix<double, 3, 2> B = R_.leftCols<2>();
@@ -303,12 +329,16 @@ NormalEstimate S2Filter::estimate(double time, NormalStatus status) const {
 }
 
 NormalEstimate S2Filter::update(const FingerSample& sample) {
+  const bool lifted = lifts_.begins(sample);
   if (!sample.flags.usable()) return estimate(sample.time, NormalStatus::held);
+  if (lifted) {
+    for (NoiseMeter* noise : {&force_noise_, &point_noise_, &tip_noise_}) noise->interrupt();
+  }
   force_noise_.add(sample.f);
   point_noise_.add(sample.p);
   if (sample.tip_normal) tip_noise_.add(*sample.tip_normal);
   const double dt = sample.time - time_;
-  if (!started_ || dt > options_.forget_after || lost(sample)) {
+  if (lifted || lost(sample)) {
     start(sample);
   } else {
     predict(dt);
@@ -316,7 +346,7 @@ NormalEstimate S2Filter::update(const FingerSample& sample) {
     learn_ratio_rate(dt);
     learn_acceleration(sample.p);
     const auto variances = process_variances(dt);
-    const auto priors = prior();
+    const auto priors = prior(dt);
     std::array<Belief, kHypotheses> beliefs;
     step_.R_predicted = R_;
     for (std::size_t k = 0; k < kHypotheses; ++k) {
@@ -325,9 +355,11 @@ NormalEstimate S2Filter::update(const FingerSample& sample) {
       step_.covariance[k].diagonal() += variances[k].segment<2>(kTilt);
     }
     merge(beliefs);
+    follow_slide(dt);
     if (sample.tip_normal) inflate_covariance(*sample.tip_normal);
     step_.weight = weight_;
     step_.anew = false;
+    step_.stillness = measured_ ? kStillness * weight_[0] : 0;
   }
   time_ = sample.time;
   return estimate(sample.time, NormalStatus::tracked);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "palpate/tactile/normals/normal_estimator.hpp"
+#include "tactile/normals/lift_detector.hpp"
 #include "tactile/normals/noise_meter.hpp"
 
 namespace palpate::tactile {
@@ -20,10 +21,10 @@ struct S2Options {
   double turn_ratio_rate = 3;    ///< 1/sqrt(s), of the same where sliding changes direction
   double turn_acceleration = 3;  ///< times as much acceleration there
   double coupling = 0.4;         ///< by how much friction need not oppose sliding, of normal force
-  double roll_share = 0.012;     ///< probability that a tick begins to roll,
+  double roll_share = 0.012;     ///< probability that within 10 ms the tip begins to roll,
   double edge_share = 0.005;     ///< crosses an edge,
   double turn_share = 0.005;     ///< turns
-  double stay = 0.9;             ///< probability that the next tick goes on with it
+  double stay = 0.9;             ///< probability that the next 10 ms go on with it
   double forget_after = 0.5;     ///< s without contact after which to start again
   double lag = 0.2;              ///< s, that S2Smoother's estimates wait for later samples
 
@@ -43,10 +44,10 @@ struct S2Options {
     v("turn_acceleration", turn_acceleration, 1.0, 1e3, "factor on the acceleration in a turn");
     v("coupling", coupling, 1e-6, 1e3,
       "deviation of friction from the sliding direction, relative to the normal force");
-    v("roll_share", roll_share, 1e-9, 0.3, "probability that a tick begins to roll");
-    v("edge_share", edge_share, 1e-9, 0.3, "probability that a tick crosses an edge");
-    v("turn_share", turn_share, 1e-9, 0.3, "probability that a tick turns");
-    v("stay", stay, 0.0, 0.999, "probability that the next tick continues the present motion");
+    v("roll_share", roll_share, 1e-9, 0.3, "probability that the tip begins to roll within 10 ms");
+    v("edge_share", edge_share, 1e-9, 0.3, "probability that it crosses an edge within 10 ms");
+    v("turn_share", turn_share, 1e-9, 0.3, "probability that it turns within 10 ms");
+    v("stay", stay, 0.0, 0.999, "probability that the present motion continues for 10 ms");
     v("forget_after", forget_after, 0.0, 1e6,
       "s without contact after which the estimate starts again");
     v("lag", lag, 0.0, 10.0, "s, delay of smoothed estimates");
@@ -79,6 +80,7 @@ class S2Filter final : public NormalEstimator {
     std::array<Eigen::Matrix2d, kHypotheses> covariance;  ///< of the predicted normal's tilt
     std::array<double, kHypotheses> weight;               ///< of the hypotheses, afterwards
     bool anew = true;                                     ///< it did not follow the one before
+    double stillness = 0;  ///< share by which the covariance is reported smaller
   };
 
   /// @throws BadInput for options out of range
@@ -116,11 +118,12 @@ class S2Filter final : public NormalEstimator {
   void measure(const FingerSample& sample);
   void measure_force(const Eigen::Vector3d& f);
   void measure_tip(const Eigen::Vector3d& tip_normal);
+  void follow_slide(double dt);
   void measure_friction();
   void learn_ratio_rate(double dt);
   void learn_acceleration(const Eigen::Vector3d& p);
   std::array<Vector, kHypotheses> process_variances(double dt) const;
-  std::array<double, kHypotheses> prior() const;
+  std::array<double, kHypotheses> prior(double dt) const;
   Belief explain(const Vector& process_variance, double prior) const;
   void merge(const std::array<Belief, kHypotheses>& beliefs);
   void retract(const Vector& x);
@@ -130,6 +133,7 @@ class S2Filter final : public NormalEstimator {
   NormalEstimate estimate(double time, NormalStatus status) const;
 
   S2Options options_;
+  LiftDetector lifts_;
   NoiseMeter force_noise_, point_noise_, tip_noise_;
   bool started_ = false;
   double time_ = 0;
@@ -137,6 +141,9 @@ class S2Filter final : public NormalEstimator {
   Eigen::Vector2d ratio_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
   Eigen::Vector3d p_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d behind_ = Eigen::Vector3d::Zero();  // place, averaged over kSlideTime
+  bool slides_ = false;                               // by more than the point's noise
+  bool measured_ = false;                             // by sliding or tip, since the start
   double curvature_ = 0;
   Matrix P_ = Matrix::Zero();
   double ratio_variance_ = 1e-3;

@@ -2,6 +2,7 @@
 #include "tactile/normals/s2_smoother.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "palpate/core/se3.hpp"
 #include "tactile/normals/estimate_status.hpp"
@@ -47,10 +48,34 @@ Smoothed step_back(const Eigen::Matrix3d& R, const Eigen::Matrix2d& P, const S2F
 
 S2Smoother::S2Smoother(const S2Options& options) : options_(options), filter_(options) {}
 
+/// Of the oldest tick, from all later ones.
+NormalEstimate S2Smoother::smoothed_first() {
+  Smoothed smoothed{ticks_.back().R, ticks_.back().P};
+  for (std::size_t i = ticks_.size() - 1; i-- > 0;) {
+    const bool left = ticks_[i + 1].time - ticks_[i].time > kLongestBridge;
+    smoothed = left ? Smoothed{ticks_[i].R, ticks_[i].P}
+                    : step_back(ticks_[i].R, ticks_[i].P, ticks_[i + 1].step, smoothed);
+  }
+  const Eigen::Matrix<double, 3, 2> B = smoothed.R.leftCols<2>();
+  const double still = 1 - ticks_.front().step.stillness;
+  const auto status = ticks_.front().time == reported_ ? NormalStatus::held : NormalStatus::tracked;
+  reported_ = ticks_.front().time;
+  return estimate_of(reported_, status, Eigen::Vector3d(smoothed.R.col(2)),
+                     still * B * smoothed.P * B.transpose());
+}
+
+/// The contact has ended: what was learnt of its last ticks is all that will be.
+void S2Smoother::flush() {
+  for (; !ticks_.empty(); ticks_.pop_front()) {
+    const NormalEstimate estimate = smoothed_first();
+    if (estimate.status == NormalStatus::tracked) late_.push_back(estimate);
+  }
+}
+
 NormalEstimate S2Smoother::update(const FingerSample& sample) {
   const NormalEstimate now = filter_.update(sample);
   if (now.status != NormalStatus::tracked) return now;
-  if (filter_.last_step().anew) ticks_.clear();
+  if (filter_.last_step().anew) flush();
   ticks_.push_back({sample.time, filter_.frame(), filter_.tilt_covariance(), filter_.last_step()});
   while (ticks_.size() > 1 && ticks_[1].time <= sample.time - options_.lag + 1e-9)
     ticks_.pop_front();
@@ -59,18 +84,12 @@ NormalEstimate S2Smoother::update(const FingerSample& sample) {
     early.time = sample.time - options_.lag;
     return early;
   }
-  Smoothed smoothed{ticks_.back().R, ticks_.back().P};
-  for (std::size_t i = ticks_.size() - 1; i-- > 0;) {
-    const bool left = ticks_[i + 1].time - ticks_[i].time > kLongestBridge;
-    smoothed = left ? Smoothed{ticks_[i].R, ticks_[i].P}
-                    : step_back(ticks_[i].R, ticks_[i].P, ticks_[i + 1].step, smoothed);
-  }
-  const Eigen::Matrix<double, 3, 2> B = smoothed.R.leftCols<2>();
-  const double still = 1 - S2Filter::kStillness * ticks_.front().step.weight[0];
-  const auto status = ticks_.front().time == reported_ ? NormalStatus::held : NormalStatus::tracked;
-  reported_ = ticks_.front().time;
-  return estimate_of(reported_, status, Eigen::Vector3d(smoothed.R.col(2)),
-                     still * B * smoothed.P * B.transpose());
+  return smoothed_first();
+}
+
+std::vector<NormalEstimate> S2Smoother::take_late(bool ended) {
+  if (ended) flush();
+  return std::exchange(late_, {});
 }
 
 }  // namespace palpate::tactile

@@ -22,6 +22,7 @@ class S2Smoother final : public NormalEstimator {
   /// @throws BadInput for options out of range
   explicit S2Smoother(const S2Options& options = {});
   NormalEstimate update(const FingerSample& sample) override;
+  std::vector<NormalEstimate> take_late(bool ended = false) override;
 
  private:
   struct Tick {
@@ -31,9 +32,13 @@ class S2Smoother final : public NormalEstimator {
     S2Filter::Step step;  // that led to it
   };
 
+  NormalEstimate smoothed_first();
+  void flush();
+
   S2Options options_;
   S2Filter filter_;
   std::deque<Tick> ticks_;
+  std::vector<NormalEstimate> late_;  // of contacts that ended before their lag had passed
   double reported_ = -std::numeric_limits<double>::infinity();  // time of the last tick reported
 };
 

@@ -36,9 +36,15 @@ class NormalEstimator {
   virtual ~NormalEstimator() = default;
 
   /// Takes the next sample. One that is not usable leaves the estimate as it is (held); after a
-  /// while without a usable one (the options' forget_after) the estimator starts again. Only the
-  /// filters on the sphere grow less certain of an estimate that they hold.
+  /// lift (a contact that ended, or a gap in which the finger may have left the surface) the
+  /// estimator starts again. Only the filters on the sphere grow less certain of an estimate that
+  /// they hold.
   virtual NormalEstimate update(const FingerSample& sample) = 0;
+
+  /// Estimates of contacts that wait for later samples which will not come, because the contact or
+  /// the log has ended; in the order of time, each once. Call it after every update() and, with
+  /// `ended`, after the last one.
+  virtual std::vector<NormalEstimate> take_late([[maybe_unused]] bool ended = false) { return {}; }
 };
 
 /// Names of all estimators: "rls", "rls-literal", "tls", "eigen", "s2", "s2-lag".
