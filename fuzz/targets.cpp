@@ -90,7 +90,7 @@ std::vector<Target> all_targets() {
   const Load contacts = [](const fs::path& file) { localization::read_contacts(file, {}); };
   const Load spheres = [](const fs::path& file) { localization::read_free_space(file); };
   const Load planes = [](const fs::path& file) { localization::read_plane_contacts(file); };
-  const Load log = [](const fs::path& file) { tactile::read_contact_log(file, 0.01); };
+  const Load log = [](const fs::path& file) { tactile::read_contact_log(file); };
   const Load biotac = [](const fs::path& file) { tactile::read_biotac_log(file); };
   const Load pairs = [](const fs::path& file) { registration::read_correspondences(file); };
   const Load policy = [](const fs::path& file) { relocate::load_policy(file); };

@@ -57,7 +57,10 @@ void refuse_what_has_no_effect(const SenseArguments& arguments, const CLI::App& 
   };
   if (format != Format::contacts) refuse("--tick", "a CSV of contacts");
   if (format != Format::biotac) refuse("--causal", "a log of a BioTac");
-  if (format == Format::biotac) refuse("--estimator", "contacts with forces");
+  if (format == Format::biotac) {
+    refuse("--estimator", "contacts with forces");
+    refuse("--min-force", "contacts with forces");
+  }
   if (format == Format::contacts && !arguments.model.empty()) {
     throw BadInput(fmt::format("{} has no channels of a BioTac for --model {} to read",
                                arguments.recording, arguments.model));
@@ -99,6 +102,11 @@ void add_sense(CLI::App& program, Command& chosen) {
       .add_option("--tick", arguments->tick,
                   "seconds per tick, if t in the CSV counts ticks (integers)")
       ->check(in_range(1e-5, 10.0))
+      ->default_str("0.1");
+  command
+      .add_option("--min-force", arguments->min_force,
+                  "N, of a contact; less, such as the noise of a sensor in the air, is no contact")
+      ->check(in_range(0.0, 10.0))
       ->capture_default_str();
   command
       .add_option("--model", arguments->model,
@@ -118,8 +126,8 @@ void add_sense(CLI::App& program, Command& chosen) {
       "Unusable samples are flagged and counted, and get no normal; the column flags says why, as\n"
       "in \"no_force 3\": three samples without force (docs/touch.md lists them). --out writes "
       "each\n"
-      "stream's series as CSV and its normals and forces as SVG figures, and the contacts of all\n"
-      "streams as contacts.csv, which palpate localize reads.\n\n"
+      "stream's series as CSV and its normals and forces as SVG figures and, except of a\n"
+      "recording, the contacts of all streams as contacts.csv, which palpate localize reads.\n\n"
       "Examples:\n"
       "  palpate sense out/pick-mug-2/recording.h5 --out out/sense-mug-2\n"
       "  palpate sense contacts.csv --estimator rls --json");

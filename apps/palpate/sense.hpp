@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ struct SenseArguments {
   std::string recording;
   std::string model;             ///< trained BioTac model; empty: none given
   std::string estimator = "s2";  ///< of contacts' normals
-  double tick = 0.1;             ///< s, where a CSV counts ticks instead of seconds
+  std::optional<double> tick;    ///< s, where a CSV counts ticks instead of seconds
+  double min_force = 1e-3;       ///< N; contacts of less are left out
   bool causal = false;           ///< a BioTac's log frame by frame, as it would come
 };
 
@@ -32,10 +34,11 @@ struct SensedSample {
 struct SensedStream {
   std::string name;
   std::vector<SensedSample> samples;
+  bool resting = true;  ///< all that was touched is one object, which did not move meanwhile
 };
 
 /// Prints the table or JSON object of the streams, and writes each stream's series and figures to
-/// --out, if given.
+/// --out, if given, with the contacts of resting objects.
 void report_streams(const SenseArguments& arguments, const CLI::App& command,
                     const std::vector<SensedStream>& streams);
 

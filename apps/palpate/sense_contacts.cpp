@@ -24,10 +24,10 @@ constexpr double kNoTruth = std::numeric_limits<double>::quiet_NaN();
 /// Sends the frames of one finger through checks and estimator.
 class FingerSensor {
  public:
-  FingerSensor(const std::string& name, const std::string& estimator, double period)
+  FingerSensor(const std::string& name, const SenseArguments& arguments, double period)
       : stream_{.name = name, .samples = {}},
-        maker_({.period = period}),
-        estimator_(tactile::make_normal_estimator(estimator)) {}
+        maker_({.period = period, .min_force = arguments.min_force}),
+        estimator_(tactile::make_normal_estimator(arguments.estimator)) {}
 
   void take(const tactile::FingerFrame& frame, const std::optional<Eigen::Vector3d>& truth) {
     const tactile::FingerSample sample = maker_.next(frame);
@@ -114,7 +114,7 @@ std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
   }
   for (int finger = 0; finger < recording.header.hand.finger_count(); ++finger) {
     const auto& described = recording.header.hand.fingers[static_cast<std::size_t>(finger)];
-    FingerSensor sensor(described.name, arguments.estimator, hand::kTick);
+    FingerSensor sensor(described.name, arguments, hand::kTick);
     for (const recording::Frame& frame : recording.frames) {
       const auto sensed = tactile::finger_frame(frame.reading, recording.header.hand, finger);
       const double radius = described.tip.radius;
@@ -123,13 +123,15 @@ std::vector<SensedStream> sense_recording(const SenseArguments& arguments) {
     if (sensor.touched()) streams.push_back(sensor.take_stream());
   }
   for (auto& stream : sense_channels(arguments, recording)) streams.push_back(std::move(stream));
+  // A hand also touches the table, and lifts the object.
+  for (SensedStream& stream : streams) stream.resting = false;
   return streams;
 }
 
 std::vector<SensedStream> sense_contact_log(const SenseArguments& arguments) {
   std::vector<SensedStream> streams;
   for (const auto& log : tactile::read_contact_log(arguments.recording, arguments.tick)) {
-    FingerSensor sensor(log.finger, arguments.estimator, log.period);
+    FingerSensor sensor(log.finger, arguments, log.period);
     for (std::size_t i = 0; i < log.frames.size(); ++i) sensor.take(log.frames[i], log.normals[i]);
     streams.push_back(sensor.take_stream());
   }

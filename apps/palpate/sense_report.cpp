@@ -12,11 +12,13 @@
 #include "palpate/plotting/plot.hpp"
 #include "sense.hpp"
 #include "terminal.hpp"
+#include "units_hint.hpp"
 
 namespace palpate::app {
 namespace {
 
 constexpr double kChiSquared95 = 5.991;  // of the two tangent axes
+constexpr double kWidest = 3;            // m, that a hand reaches
 constexpr const char* kContacts = "contacts.csv";
 constexpr const char* kNormalFigure = "-normal.svg";  // after the stream's name
 constexpr const char* kForceFigure = "-force.svg";
@@ -97,12 +99,15 @@ std::string normal_sigma_cell(const SensedSample& sample) {
   return fmt::format("{:.6g}", sample.sigma_deg * kDegree);
 }
 
-/// The contacts with a normal of all streams, as `palpate localize` reads them.
+/// The contacts with a normal of all streams, as `palpate localize` reads them; empty if there are
+/// none, or not all of one object at rest.
 std::string contacts_csv(const std::vector<SensedStream>& streams) {
-  std::string text = "finger,t,x,y,z,nx,ny,nz,normal_sigma,fx,fy,fz\n";
+  std::string text;
   for (const SensedStream& stream : streams) {
+    if (!stream.resting) return "";
     for (const SensedSample& s : stream.samples) {
       if (!(s.point.allFinite() && s.normal.allFinite())) continue;
+      if (text.empty()) text = "finger,t,x,y,z,nx,ny,nz,normal_sigma,fx,fy,fz\n";
       const Eigen::Vector3d f = s.force.allFinite() ? s.force : Eigen::Vector3d::Zero();
       text += fmt::format("{},{}", stream.name, s.time);
       for (const auto* v : {&s.point, &s.normal}) {
@@ -112,6 +117,24 @@ std::string contacts_csv(const std::vector<SensedStream>& streams) {
     }
   }
   return text;
+}
+
+std::string why_no_contacts(const std::vector<SensedStream>& streams) {
+  return std::ranges::all_of(streams, &SensedStream::resting)
+             ? "no contacts.csv: no sample has a point and a normal\n"
+             : "no contacts.csv: in a recording the object moves; palpate replay finds its pose\n";
+}
+
+std::string hint_at_units(const std::vector<SensedStream>& streams) {
+  std::vector<Eigen::Vector3d> points;
+  for (const SensedStream& stream : streams) {
+    for (const SensedSample& sample : stream.samples) {
+      if (sample.point.allFinite()) points.push_back(sample.point);
+    }
+  }
+  const double extent = extent_of(points);
+  if (extent <= kWidest) return "";
+  return fmt::format("the points spread over {:.3g} m; are they in millimetres?", extent);
 }
 
 /// Figure of a vector's components over time; none if it is never known.
@@ -134,17 +157,38 @@ std::string figure(const SensedStream& stream, const Eigen::Vector3d SensedSampl
   return known ? plotting::to_svg(plot) : "";
 }
 
+/// The files of a stream.
+std::vector<std::string> file_names(const std::string& stream) {
+  return {stream + ".csv", stream + kNormalFigure, stream + kForceFigure};
+}
+
+/// The files of the streams of an earlier run, as its report in the folder lists them.
+std::vector<std::string> earlier_files(const std::filesystem::path& folder) {
+  const auto path = folder / "report.json";
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return {};
+  const auto report = nlohmann::json::parse(read_file(path), nullptr, false);
+  std::vector<std::string> names;
+  const auto streams = report.is_object() ? report.find("streams") : report.end();
+  if (streams == report.end() || !streams->is_object()) return names;
+  for (const auto& [stream, _] : streams->items()) {
+    if (std::filesystem::path(stream).filename() != stream) continue;
+    for (auto& name : file_names(stream)) names.push_back(std::move(name));
+  }
+  return names;
+}
+
 /// All that may be written of the streams. @throws BadInput where two of it have one name
 std::vector<std::string> result_names(const std::vector<SensedStream>& streams) {
   std::vector<std::string> names = {"report.json", kContacts};
   for (const SensedStream& stream : streams) {
-    const std::string series = stream.name + ".csv";
-    if (std::ranges::find(names, series) != names.end()) {
+    const auto files = file_names(stream.name);
+    if (std::ranges::find(names, files.front()) != names.end()) {
       throw BadInput(
           fmt::format("the series of finger '{}' cannot be written: --out has another {}",
-                      stream.name, series));
+                      stream.name, files.front()));
     }
-    names.insert(names.end(), {series, stream.name + kNormalFigure, stream.name + kForceFigure});
+    names.insert(names.end(), files.begin(), files.end());
   }
   return names;
 }
@@ -164,6 +208,26 @@ std::vector<std::string> write_stream(const std::filesystem::path& folder,
   return written;
 }
 
+/// @param contacts  the text of contacts.csv; empty: not to be written
+/// @return what was written, for a person
+std::string write_sensed(const SenseArguments& arguments, const std::vector<SensedStream>& streams,
+                         const std::string& contacts, const nlohmann::json& report) {
+  const std::filesystem::path folder = arguments.common.out;
+  auto names = result_names(streams);
+  if (arguments.common.force) {
+    for (auto& name : earlier_files(folder)) names.push_back(std::move(name));
+  }
+  const auto output = claim_output(arguments.common, names);
+  std::string wrote = contacts.empty() ? "" : fmt::format(" {}", kContacts);
+  for (const SensedStream& stream : streams) {
+    for (const auto& file : write_stream(folder, stream)) wrote += " " + file;
+  }
+  if (!contacts.empty()) write_file_atomically(folder / kContacts, contacts);
+  write_file_atomically(folder / "report.json", json_text(report));
+  wrote = fmt::format("wrote {}: report.json{}\n", folder.string(), wrote);
+  return contacts.empty() ? wrote + why_no_contacts(streams) : wrote;
+}
+
 }  // namespace
 
 void report_streams(const SenseArguments& arguments, const CLI::App& command,
@@ -177,27 +241,21 @@ void report_streams(const SenseArguments& arguments, const CLI::App& command,
     report["streams"][stream.name] = stream_json(summary);
     table += row(stream.name, summary) + "\n";
   }
-  std::string wrote;
-  if (!arguments.common.out.empty()) {
-    const std::filesystem::path folder = arguments.common.out;
-    const auto output = claim_output(arguments.common, result_names(streams));
-    for (const SensedStream& stream : streams) {
-      for (const auto& file : write_stream(folder, stream)) wrote += " " + file;
-    }
-    write_file_atomically(folder / kContacts, contacts_csv(streams));
-    write_file_atomically(folder / "report.json", json_text(report));
-    wrote = fmt::format("wrote {}: report.json contacts.csv{}\n", folder.string(), wrote);
-  }
+  const std::string contacts = contacts_csv(streams), hint = hint_at_units(streams);
+  report["hint"] = hint;
+  if (!hint.empty()) table += hint + "\n";
+  if (!arguments.common.out.empty()) table += write_sensed(arguments, streams, contacts, report);
   if (arguments.common.json) {
     print_json(report);
-  } else {
-    fmt::print("{}{}", table, wrote);
-    print_next(
-        arguments.common,
-        wrote.empty()
-            ? given_command(command) + " --out out/sense writes contacts.csv for palpate localize"
-            : "palpate localize MESH " + quoted(arguments.common.out + "/contacts.csv"));
+    return;
   }
+  fmt::print("{}", table);
+  if (contacts.empty()) return;
+  print_next(
+      arguments.common,
+      arguments.common.out.empty()
+          ? given_command(command) + " --out out/sense writes contacts.csv for palpate localize"
+          : "palpate localize MESH " + quoted(arguments.common.out + "/contacts.csv"));
 }
 
 }  // namespace palpate::app

@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kRatio = 100, kBounds = 1e4;
 
-/// Diagonal of the box around points, m.
+}  // namespace
+
 double extent_of(const std::vector<Eigen::Vector3d>& points) {
   if (points.empty()) return 0;
   Eigen::Vector3d low = points.front(), high = points.front();
@@ -20,8 +21,6 @@ double extent_of(const std::vector<Eigen::Vector3d>& points) {
   }
   return (high - low).stableNorm();
 }
-
-}  // namespace
 
 std::string units_hint(const std::vector<Eigen::Vector3d>& source,
                        const std::vector<Eigen::Vector3d>& target, double noise_bound) {

@@ -8,6 +8,9 @@
 
 namespace palpate::app {
 
+/// Diagonal of the box around points, m.
+double extent_of(const std::vector<Eigen::Vector3d>& points);
+
 /// Whether points that no pose fits may not be in metres: they are more than 100 times as large on
 /// one side as on the other or, with a bound, over 10 000 times as large as that. Or that they are
 /// fewer than three.

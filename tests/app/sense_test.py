@@ -135,6 +135,68 @@ class Sense(CliTest):
         self.run_json("sense", "slide.csv", "--out", "out", "--force")
         self.assertTrue((self.folder / "out" / "FF.csv").read_text().startswith("t,"))
 
+    def test_force_leaves_no_stream_of_the_earlier_run(self):
+        self.write("one.csv", csv(slide(40)))
+        self.write("other.csv", csv([["MF", *row[1:]] for row in slide(40)]))
+        self.run_json("sense", "one.csv", "--out", "out")
+        self.write("out/notes.csv", "kept")
+        self.run_json("sense", "other.csv", "--out", "out", "--force")
+        names = {path.name for path in (self.folder / "out").iterdir()}
+        self.assertEqual(
+            names,
+            {"report.json", "contacts.csv", "MF.csv", "MF-normal.svg", "MF-force.svg", "notes.csv"})  # fmt: skip
+
+    def test_where_there_is_no_contact_none_is_written_or_recommended(self):
+        rows = [[*row[:5], 0, 0, 0, *row[8:]] for row in slide(40)]
+        self.write("still.csv", csv(rows))
+        told = self.run_program("sense", "still.csv", "--out", "out").stdout
+        self.assertIn("no contacts.csv: no sample", told)
+        self.assertNotIn("Next:", told)
+        self.assertNotIn("out/contacts.csv", self.contents())
+        self.assertNotIn("Next:", self.run_program("sense", "still.csv").stdout)
+
+    def test_contacts_of_less_than_the_least_force_are_left_out(self):
+        rows = slide()
+        for row in rows[100:150]:
+            row[5:8] = [0.05, 0.02, -0.04]
+        self.write("air.csv", csv(rows))
+        self.assertEqual(self.run_json("sense", "air.csv")["streams"]["FF"]["flags"], {})
+        report = self.run_json("sense", "air.csv", "--min-force", "0.3", "--out", "out")
+        self.assertEqual(report["streams"]["FF"]["flags"]["no_force"], 50)
+        times = [float(row.split(",")[1]) for row in (self.folder / "out/contacts.csv").read_text().splitlines()[1:]]
+        self.assertFalse([t for t in times if 0.995 < t < 1.495])
+        for force in ("-1", "11", "nan"):
+            self.assert_refused(USAGE, ["sense", "air.csv", "--min-force", force], "--min-force")
+
+    def test_times_in_another_unit_are_refused(self):
+        rows = slide(40)
+        self.write("s.csv", csv(rows))
+        self.assert_refused(BAD_INPUT, ["sense", "s.csv", "--tick", "5"], "s.csv", "--tick")
+        self.write("ms.csv", csv([[row[0], round(1000 * row[1]), *row[2:]] for row in rows]))
+        self.assert_refused(BAD_INPUT, ["sense", "ms.csv"], "ms.csv", "in ms or ns?", "--tick")
+        median = [self.run_json("sense", *log)["streams"]["FF"]["error_deg"]["median"]
+                  for log in (["s.csv"], ["ms.csv", "--tick", "0.001"])]  # fmt: skip
+        self.assertAlmostEqual(*median, delta=1e-3)
+
+    def test_one_frame_ahead_of_time_does_not_lose_the_others(self):
+        rows = slide(100)
+        rows[49][1] = 999.0
+        self.write("ahead.csv", csv(rows))
+        flags = self.run_json("sense", "ahead.csv")["streams"]["FF"]["flags"]
+        self.assertEqual(flags, {"gap": 2, "out_of_order": 4})
+
+    def test_rows_that_are_there_twice_count_once(self):
+        self.write("once.csv", csv(slide(40)))
+        self.write("twice.csv", csv([row for row in slide(40) for _ in range(2)]))
+        self.assertEqual(self.run_json("sense", "twice.csv"), self.run_json("sense", "once.csv"))
+
+    def test_points_in_millimetres_are_noticed(self):
+        self.write("m.csv", csv(slide()))
+        self.assertEqual(self.run_json("sense", "m.csv")["hint"], "")
+        self.write("mm.csv", csv([[*row[:2], *[1000 * x for x in row[2:5]], *row[5:]] for row in slide()]))
+        self.assertIn("in millimetres?", self.run_json("sense", "mm.csv")["hint"])
+        self.assertIn("in millimetres?", self.run_program("sense", "mm.csv").stdout)
+
     def test_a_header_is_read_as_the_rows_are(self):
         rows = csv(slide(40))
         self.write("plain.csv", rows)
@@ -164,7 +226,7 @@ class Sense(CliTest):
             self.assert_refused(code, ["sense", "slide.csv", *extra], named)
         electrodes = ",".join(f"e{i}" for i in range(1, 20))
         self.write("biotac.csv", f"t_s,pdc,{electrodes}\n")
-        for extra in (["--tick", "0.1"], ["--estimator", "rls"]):
+        for extra in (["--tick", "0.1"], ["--estimator", "rls"], ["--min-force", "0.1"]):
             self.assert_refused(BAD_INPUT, ["sense", "biotac.csv", *extra], extra[0], "biotac.csv")
 
     def test_a_model_is_not_overwritten_unasked(self):

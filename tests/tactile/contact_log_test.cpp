@@ -51,8 +51,8 @@ TEST_F(ContactLogTest, TheTipsOwnNormalIsReadWhereThereIsOne) {
   const auto contacts =
       read_contact_log(write("finger,t,px,py,pz,fx,fy,fz,tnx,tny,tnz\n"
                              "FF,0.0,0,0,0,0,0,-1,0,0,3\n"
-                             "FF,0.0,0,0,0,0,0,-1,0,0,0\n"
-                             "FF,0.0,0,0,0,0,0,-1,nan,0,1\n"))[0]
+                             "FF,0.0,1,0,0,0,0,-1,0,0,0\n"
+                             "FF,0.0,2,0,0,0,0,-1,nan,0,1\n"))[0]
           .frames[0]
           .contacts;
   ASSERT_EQ(contacts.size(), 3u);
@@ -70,6 +70,48 @@ TEST_F(ContactLogTest, WholeTimesAreTicks) {
   EXPECT_THROW(read_contact_log(write(text), 0), BadInput);
   const auto lost = read_contact_log(write(text + "2,FF,nan,0,0,0,0,0,-1\n"));
   EXPECT_NEAR(lost[0].frames[1].time, 0.1, 1e-12);
+}
+
+TEST_F(ContactLogTest, ARowThatIsThereTwiceIsOneContact) {
+  const auto logs =
+      read_contact_log(write("finger,t,px,py,pz,fx,fy,fz,nx,ny,nz\n"
+                             "FF,0.00,0,0,0,0,0,-1,0,0,1\n"
+                             "FF,0.00,0,0,0,0,0,-1,0,0,1\n"
+                             "FF,0.00,0,0,0,0,0,-2,0,0,1\n"
+                             "FF,0.01,0,0,0,0,0,-1,0,0,1\n"));
+  ASSERT_EQ(logs[0].frames.size(), 2u);
+  EXPECT_EQ(logs[0].frames[0].contacts.size(), 2u);
+  EXPECT_EQ(logs[0].frames[1].contacts.size(), 1u);
+}
+
+/// A log of one finger at these times.
+std::string log_at(const std::vector<std::string>& times) {
+  std::string text = "finger,t,px,py,pz,fx,fy,fz\n";
+  for (const auto& t : times) text += "FF," + t + ",0,0,0,0,0,-1\n";
+  return text;
+}
+
+TEST_F(ContactLogTest, ATickIsRefusedWhereTimesAreInSeconds) {
+  const auto path = write(log_at({"0", "0.01", "0.02"}));
+  EXPECT_NEAR(read_contact_log(path)[0].period, 0.01, 1e-12);
+  EXPECT_THROW(read_contact_log(path, 0.1), BadInput);
+}
+
+TEST_F(ContactLogTest, WholeTimesInStepsOtherThanOneAreRefusedUnlessTheirUnitIsStated) {
+  const std::string ms = log_at({"0", "10", "20", "30"});
+  EXPECT_NE(error(ms).find("by 10: is it in ms or ns?"), std::string::npos) << error(ms);
+  EXPECT_NEAR(read_contact_log(write(ms), 0.001)[0].period, 0.01, 1e-12);
+  EXPECT_EQ(error(log_at({"0", "1", "2", "50", "51"})), "");  // ticks, and a gap
+  const std::string ns = log_at({"1700000000000000000", "1700000000010000000"});
+  EXPECT_NE(error(ns).find("is it in ms or ns?"), std::string::npos) << error(ns);
+}
+
+TEST_F(ContactLogTest, TimesBeyondAnyClockAreRefused) {
+  EXPECT_EQ(error(log_at({"1700000000.005", "1700000000.015"})), "");
+  EXPECT_NE(error(log_at({"1700000000000.5", "1700000000010.5"})).find("a time"),
+            std::string::npos);
+  EXPECT_NE(error(log_at({"0.5", "inf"})).find("a time"), std::string::npos);
+  EXPECT_EQ(error(log_at({"0.5", "nan"})), "");
 }
 
 TEST_F(ContactLogTest, NamesWhatIsWrongAndWhere) {

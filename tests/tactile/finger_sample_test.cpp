@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "hand/descriptions.hpp"
 #include "palpate/core/error.hpp"
@@ -71,6 +74,42 @@ TEST(SampleMaker, AFrameOutOfOrderIsOfNoUseAndDoesNotTurnBackTheClock) {
   maker.next(frame_at(0.02));
   EXPECT_EQ(maker.next(frame_at(0.01)).flags.names(), "out_of_order");
   EXPECT_FALSE(maker.next(frame_at(0.03)).flags.any());
+}
+
+/// Flags of frames at these times, each with contacts of its own.
+std::vector<std::string> flags_at(const std::vector<double>& times) {
+  SampleMaker maker;
+  std::vector<std::string> flags;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    flags.push_back(maker.next(frame_at(times[i], 1e-4 * static_cast<double>(i))).flags.names());
+  }
+  return flags;
+}
+
+TEST(SampleMaker, AClockThatWasSetBackOrOneFrameAheadLosesFourFrames) {
+  const std::string lost = "out_of_order";
+  const auto set_back = flags_at({10, 10.01, 8, 8.01, 8.02, 8.03, 8.04, 8.05, 8.06});
+  EXPECT_EQ(set_back, (std::vector<std::string>{"", "", lost, lost, lost, lost, "gap", "", ""}));
+  const auto ahead = flags_at({0, 0.01, 999, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08});
+  EXPECT_EQ(ahead, (std::vector<std::string>{"", "", "gap", lost, lost, lost, lost, "gap", ""}));
+}
+
+TEST(SampleMaker, OldFramesThatDoNotFollowEachOtherAreNoNewClock) {
+  const auto mixed = flags_at({10, 8, 7, 8, 7, 8, 7, 8, 7, 10.01});
+  EXPECT_EQ(std::count(mixed.begin(), mixed.end(), "out_of_order"), 8);
+  EXPECT_EQ(mixed.back(), "");
+  const auto old = flags_at({10, 1, 2, 3, 4, 5, 6, 7, 10.01});
+  EXPECT_EQ(std::count(old.begin(), old.end(), "out_of_order"), 7);
+}
+
+TEST(SampleMaker, AFingerThatPressesNothingIsNotCalledRepeated) {
+  SampleMaker maker;
+  FingerFrame frame = frame_at(0);
+  frame.contacts[0].f.setZero();
+  for (int i = 0; i < 3; ++i) {
+    frame.time = 0.01 * i;
+    EXPECT_EQ(maker.next(frame).flags.names(), "no_force") << i;
+  }
 }
 
 TEST(SampleMaker, PlaceholdersAreOfNoUse) {

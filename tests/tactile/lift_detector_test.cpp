@@ -34,6 +34,13 @@ TEST(LiftDetector, AGapOfAFewPeriodsIsALift) {
   }
 }
 
+TEST(LiftDetector, AClockThatWasSetBackIsALift) {
+  LiftDetector lifts(kForget);
+  const double end = slide(lifts, 0.01);
+  EXPECT_TRUE(lifts.begins(sample_at(0, 0.02 * end)));
+  EXPECT_FALSE(lifts.begins(sample_at(0.01, 0.02 * (end + 0.01))));
+}
+
 TEST(LiftDetector, SamplesWithoutContactOrForceAreALiftUnlessItIsABounce) {
   for (const SampleFlag flag : {SampleFlag::no_contact, SampleFlag::no_force}) {
     LiftDetector lifts(kForget);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/csv_table.hpp"
 #include "palpate/core/error.hpp"
@@ -16,6 +17,7 @@ namespace palpate::tactile {
 namespace {
 
 constexpr std::size_t kMaxName = 200;  // bytes; a file system takes 255, with what is appended
+constexpr double kDefaultTick = 0.1;   // s
 
 using Columns = palpate::CsvTable::Columns;
 
@@ -73,7 +75,11 @@ void add_row(const palpate::CsvTable& table, const Layout& layout, FingerLog& lo
     log.frames.push_back({.time = time, .contacts = {}});
     log.normals.emplace_back();
   }
-  log.frames.back().contacts.push_back({.p = p, .f = f, .tip_normal = tip_normal(table, layout)});
+  auto& contacts = log.frames.back().contacts;
+  const bool twice = std::ranges::any_of(
+      contacts, [&](const FingerContact& other) { return other.p == p && other.f == f; });
+  if (twice) return;
+  contacts.push_back({.p = p, .f = f, .tip_normal = tip_normal(table, layout)});
   if (!layout.n) return;
   const Eigen::Vector3d n = vector_of(table, *layout.n);
   auto& normal = log.normals.back();
@@ -91,22 +97,50 @@ bool counts_ticks(const std::vector<FingerLog>& logs) {
   return whole;
 }
 
-/// Median time between frames, s.
-double usual_period(const std::vector<FingerFrame>& frames) {
-  std::vector<double> periods;
+void add_steps(const std::vector<FingerFrame>& frames, std::vector<double>& steps) {
   for (std::size_t i = 1; i < frames.size(); ++i) {
-    const double period = frames[i].time - frames[i - 1].time;
-    if (period > 0) periods.push_back(period);
+    const double step = frames[i].time - frames[i - 1].time;
+    if (step > 0) steps.push_back(step);
   }
-  if (periods.empty()) return hand::kTick;
-  const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
-  std::nth_element(periods.begin(), middle, periods.end());
+}
+
+/// Median; none of nothing.
+std::optional<double> median_of(std::vector<double> steps) {
+  if (steps.empty()) return std::nullopt;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
   return *middle;
 }
 
-void finish(FingerLog& log, double unit) {
-  for (FingerFrame& frame : log.frames) frame.time *= unit;
-  log.period = usual_period(log.frames);
+/// Seconds in 1 of t. @throws BadInput where t may be in another unit
+double unit_of_time(const std::vector<FingerLog>& logs, const std::optional<double>& tick,
+                    const std::string& source) {
+  if (!counts_ticks(logs)) {
+    if (!tick) return 1;
+    throw BadInput(fmt::format(
+        "{}: t has fractions and so is in seconds: a tick of {} s (--tick) has no effect", source,
+        *tick));
+  }
+  if (tick) return *tick;
+  std::vector<double> steps;
+  for (const FingerLog& log : logs) add_steps(log.frames, steps);
+  const double step = median_of(std::move(steps)).value_or(1);
+  if (step == 1) return kDefaultTick;
+  throw BadInput(
+      fmt::format("{}: t is whole, which counts ticks, but most often goes on by {}: is it in ms "
+                  "or ns? Give seconds, or the length of a tick (--tick)",
+                  source, step));
+}
+
+void finish(FingerLog& log, double unit, const std::string& source) {
+  for (FingerFrame& frame : log.frames) {
+    frame.time *= unit;
+    if (std::isnan(frame.time)) continue;  // flagged later
+    plausible(frame.time, -kMaxTime, kMaxTime, source + ": a time, in s,");
+  }
+  std::vector<double> steps;
+  add_steps(log.frames, steps);
+  log.period = median_of(std::move(steps)).value_or(hand::kTick);
   for (auto& n : log.normals) {
     if (n && n->norm() > 1e-6) {
       n->normalize();
@@ -133,9 +167,10 @@ void check_finger_name(std::string_view name, const std::string& source) {
                   source, shown));
 }
 
-std::vector<FingerLog> read_contact_log(const std::filesystem::path& path, double tick) {
-  if (!(std::isfinite(tick) && tick > 0)) {
-    throw BadInput(fmt::format("the tick must be positive, not {} s", tick));
+std::vector<FingerLog> read_contact_log(const std::filesystem::path& path,
+                                        std::optional<double> tick) {
+  if (tick && !(std::isfinite(*tick) && *tick > 0)) {
+    throw BadInput(fmt::format("the tick must be positive, not {} s", *tick));
   }
   const std::string text = read_file(path);
   palpate::CsvTable table(text, path.string());
@@ -143,8 +178,8 @@ std::vector<FingerLog> read_contact_log(const std::filesystem::path& path, doubl
   std::vector<FingerLog> logs;
   while (table.next()) add_row(table, layout, log_of(logs, table, layout));
   if (logs.empty()) throw BadInput(fmt::format("{} has no rows", path.string()));
-  const double unit = counts_ticks(logs) ? tick : 1.0;
-  for (FingerLog& log : logs) finish(log, unit);
+  const double unit = unit_of_time(logs, tick, path.string());
+  for (FingerLog& log : logs) finish(log, unit, path.string());
   return logs;
 }
 

@@ -21,7 +21,9 @@ constexpr std::array<std::string_view, kSampleFlags> kFlagNames = {
 constexpr unsigned kUsable = static_cast<unsigned>(SampleFlag::gap) |
                              static_cast<unsigned>(SampleFlag::late) |
                              static_cast<unsigned>(SampleFlag::left_out);
-constexpr double kOffGrid = 0.25;  // of a period
+constexpr double kOffGrid = 0.25;     // of a period
+constexpr int kFramesOfNewClock = 5;  // in order before the last time that show it to be wrong
+constexpr double kNextOfThem = 2.5;   // periods from each of them to the next
 
 const Eigen::Vector3d kPlaceholder(0, -1, 0);
 
@@ -35,6 +37,13 @@ bool same(const FingerContact& a, const FingerContact& b) { return a.p == b.p &&
 bool same_contacts(const FingerFrame& a, const FingerFrame& b) {
   return !a.contacts.empty() && a.contacts.size() == b.contacts.size() &&
          std::equal(a.contacts.begin(), a.contacts.end(), b.contacts.begin(), same);
+}
+
+/// Whether a frame holds what the last one held. A finger that presses nothing may: it is no stuck
+/// sensor.
+bool repeats(const FingerFrame& frame, const FingerFrame& last, double min_force) {
+  const auto presses = [&](const FingerContact& c) { return c.f.norm() >= min_force; };
+  return same_contacts(frame, last) && std::ranges::any_of(frame.contacts, presses);
 }
 
 /// The contacts that have information; flags those that do not.
@@ -144,18 +153,28 @@ SampleMaker::SampleMaker(const SampleOptions& options) : options_(options) {
   }
 }
 
+bool SampleMaker::is_of_new_clock(double time) {
+  const double step = time - early_time_;
+  const bool follows = early_frames_ > 0 && step > 0 && step < kNextOfThem * options_.period;
+  early_frames_ = follows ? early_frames_ + 1 : 1;
+  early_time_ = time;
+  return early_frames_ >= kFramesOfNewClock;
+}
+
 void SampleMaker::check_time(const FingerFrame& frame, SampleFlags& flags) {
   if (!std::isfinite(frame.time)) {
     flags.set(SampleFlag::not_finite);
   } else if (last_ && frame.time < last_->time) {
-    flags.set(SampleFlag::out_of_order);
-  } else if (last_ && (frame.time == last_->time || same_contacts(frame, *last_))) {
+    flags.set(is_of_new_clock(frame.time) ? SampleFlag::gap : SampleFlag::out_of_order);
+    return;
+  } else if (last_ && (frame.time == last_->time || repeats(frame, *last_, options_.min_force))) {
     flags.set(SampleFlag::repeated);
   } else if (last_) {
     const double periods = (frame.time - last_->time) / options_.period;
     if (std::abs(periods - std::round(periods)) > kOffGrid) flags.set(SampleFlag::late);
     if (periods > 1.5) flags.set(SampleFlag::gap);
   }
+  early_frames_ = 0;
 }
 
 FingerSample SampleMaker::next(const FingerFrame& frame) {

@@ -25,7 +25,7 @@ double LiftDetector::usual(double Step::*value) const {
 }
 
 bool LiftDetector::lifted(const Step& step) const {
-  if (step.time > forget_after_) return true;
+  if (step.time < 0 || step.time > forget_after_) return true;  // below 0: by another clock
   if (away_ && step.time > kLongestBounce) return true;
   if (steps_.empty()) return false;
   const double periods = step.time / usual(&Step::time);

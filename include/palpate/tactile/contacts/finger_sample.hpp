@@ -15,10 +15,10 @@ namespace palpate::tactile {
 /// What is wrong with a sample. All but `gap`, `late` and `left_out` make it useless for
 /// estimating.
 enum class SampleFlag : unsigned {
-  gap = 1u << 0,           ///< frames are missing before it
+  gap = 1u << 0,           ///< frames are missing before it, or its clock is a new one
   late = 1u << 1,          ///< it came later than half a period after its time
   repeated = 1u << 2,      ///< time or content is that of the last frame
-  out_of_order = 1u << 3,  ///< its time lies before that of an earlier frame
+  out_of_order = 1u << 3,  ///< its time lies before that of the last frame
   placeholder = 1u << 4,   ///< nothing but forces of exactly (0, -1, 0)
   no_force = 1u << 5,      ///< contacts, but no force that has a direction
   not_finite = 1u << 6,    ///< a value that is not finite
@@ -92,7 +92,9 @@ struct SampleOptions {
 
 /// Turns the frames of one finger, as they come, into checked samples. Bad frames come out flagged,
 /// never as plausible numbers; single contacts that are placeholders, not finite or without force
-/// are left out of a frame that has better ones, which is flagged `left_out`.
+/// are left out of a frame that has better ones, which is flagged `left_out`. Frames before the
+/// last one's time are `out_of_order`; the fifth in order of these (its clock was set back, or the
+/// last one's time was wrong) begins a new order of time with a `gap`.
 class SampleMaker {
  public:
   /// @throws BadInput for options out of range
@@ -102,9 +104,13 @@ class SampleMaker {
 
  private:
   void check_time(const FingerFrame& frame, SampleFlags& flags);
+  /// Takes the time of a frame before the last one's.
+  bool is_of_new_clock(double time);
 
   SampleOptions options_;
   std::optional<FingerFrame> last_;
+  int early_frames_ = 0;   // before its time, each shortly after the one before
+  double early_time_ = 0;  // s, of the latest of these
 };
 
 /// What a finger senses in a reading, with the normals of its capsule tip, in the world.
