@@ -148,9 +148,15 @@ std::string place_text(const evaluation::Trial& trial) {
       trial.place->status == skills::PlaceStatus::placed
           ? "placed"
           : fmt::format("not placed: {}", skills::to_string(trial.place->status));
-  return means_text(trial.strategy) + fmt::format("{}: {:.1f} deg, {:.1f} mm from the target\n",
+  const auto& place = *trial.place;
+  const std::string expected =
+      place.certain || place.status != skills::PlaceStatus::placed
+          ? ""
+          : fmt::format(" (expected to lean by {:.0f} deg, as it stood; {:.2f} to stand upright)",
+                        kDegreesPerRadian * place.lean, place.upright);
+  return means_text(trial.strategy) + fmt::format("{}: {:.1f} deg, {:.1f} mm from the target{}\n",
                                                   end, kDegreesPerRadian * metrics.error.rotation,
-                                                  1e3 * metrics.error.translation);
+                                                  1e3 * metrics.error.translation, expected);
 }
 
 json place_json(const evaluation::Trial& trial) {
@@ -163,6 +169,8 @@ json place_json(const evaluation::Trial& trial) {
           {"strategy", means_json(trial.strategy)},
           {"certain", place.certain},
           {"certainty", place.held.certainty},
+          {"lean_deg", kDegreesPerRadian * place.lean},
+          {"upright", place.upright},
           {"other_stable_pose", place.other_stable_pose},
           {"T_world_target", to_json(place.T_world_target)},
           {"T_world_placed", placed},
@@ -212,7 +220,7 @@ std::string phases_table(const std::map<std::string, evaluation::PhaseSummary>& 
       fmt::format("{:<13} {:>6} {:>6} {:>9} {:>9}\n", "phase", "runs", "ok", "robot s", "wall s");
   for (const auto& [name, phase] : phases) {
     text += fmt::format("{:<13} {:>6} {:>6.2f} {:>9.1f} {:>9.2f}\n", name, phase.runs,
-                        rate(phase.ok, phase.runs), median(phase.robot_seconds),
+                        rate(phase.ok, phase.runs).get<double>(), median(phase.robot_seconds),
                         median(phase.wall_seconds));
   }
   return text;

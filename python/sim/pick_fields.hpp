@@ -57,7 +57,7 @@ template <>
 struct Fields<PlaceResult> {
   static auto of(PlaceResult& it) {
     return std::tie(it.status, it.failed_phase, it.phases, it.strategy, it.reason,
-                    it.T_world_target, it.T_world_placed, it.metrics);
+                    it.T_world_target, it.T_world_placed, it.certain, it.upright, it.metrics);
   }
 };
 

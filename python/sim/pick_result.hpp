@@ -19,6 +19,8 @@ struct PlaceResult {
   std::string strategy, reason;
   Eigen::Isometry3d T_world_target = Eigen::Isometry3d::Identity();
   std::optional<Eigen::Isometry3d> T_world_placed;
+  bool certain = false;
+  double upright = 1;
   std::optional<evaluation::PlaceMetrics> metrics;  ///< where the simulator's truth is known
 };
 

@@ -38,7 +38,8 @@ PlaceResult place_result(const skills::PlaceResult& placed, const skills::Strate
   return {placed.status,         placed.failed_phase,
           placed.phases,         std::string(skills::to_string(strategy.strategy)),
           strategy.reason,       placed.T_world_target,
-          placed.T_world_placed, metrics};
+          placed.T_world_placed, placed.certain,
+          placed.upright,        metrics};
 }
 
 void bind_place_result(nb::module_& module) {
@@ -68,6 +69,9 @@ void bind_place_result(nb::module_& module) {
             return pose(*self.T_world_placed);
           },
           "Estimated pose at the release, (4, 4), m; None if it was not released.")
+      .def_ro("certain", &PlaceResult::certain, "Expected within 5 deg and 10 mm of the target.")
+      .def_ro("upright", &PlaceResult::upright,
+              "Probability that it leans by less than 5 deg where it stands.")
       .def_prop_ro(
           "placed", with_truth([](const auto& metrics) { return metrics.placed; }),
           "By its true pose: released, and within 5 deg and 10 mm of the target at the end.")

@@ -47,17 +47,21 @@ hand::ActuatorVector opened(const Executor& robot) {
   return open;
 }
 
-void open_yielding(Executor& robot) {
-  robot.move_fingers(unloaded(robot), kUnloadSeconds);
-  const hand::ActuatorVector from = robot.command().positions, to = opened(robot);
+void open_yielding(Executor& robot, const hand::ActuatorVector& posture, double seconds) {
+  const hand::ActuatorVector from = robot.command().positions;
   for (int i = 1; i <= kSteps; ++i) {
     const double share = static_cast<double>(i) / kSteps;
-    robot.move_fingers(from + share * (to - from), kOpeningSeconds / kSteps);
+    robot.move_fingers(from + share * (posture - from), seconds / kSteps);
     if (!is_pushed(robot)) continue;
     hand::BasePosition up = robot.command().base;
     up.xyz.z() += kYield;
     robot.move_base(up, kUpSpeed);
   }
+}
+
+void open_yielding(Executor& robot) {
+  robot.move_fingers(unloaded(robot), kUnloadSeconds);
+  open_yielding(robot, opened(robot), kOpeningSeconds);
 }
 
 }  // namespace palpate::skills

@@ -12,8 +12,12 @@ hand::ActuatorVector unloaded(const Executor& robot);
 /// does not close stays: the thumb remains opposed, and sweeps nothing aside.
 hand::ActuatorVector opened(const Executor& robot);
 
-/// Gives back what the fingers press with, and opens them. The hand rises a little wherever a
-/// fingertip or the table pushes against it meanwhile.
+/// Opens the fingers. The hand rises a little wherever a fingertip or the table pushes against it
+/// meanwhile.
+/// @param posture  rad, of all actuators
+void open_yielding(Executor& robot, const hand::ActuatorVector& posture, double seconds);
+
+/// Gives back what the fingers press with, and opens them so.
 void open_yielding(Executor& robot);
 
 }  // namespace palpate::skills

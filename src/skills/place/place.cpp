@@ -18,6 +18,7 @@
 #include "skills/grasp/release_phase.hpp"
 #include "skills/last_contacts.hpp"
 #include "skills/phase_sequence.hpp"
+#include "skills/place/standing.hpp"
 #include "skills/place/turn_plan.hpp"
 
 namespace palpate::skills {
@@ -110,6 +111,8 @@ class Placement {
  private:
   void execute();
   bool plan_goal();
+  void expect_lean();
+  std::string lean_text() const;
   GoalSearch search_goal(const HeldObject& held);
   bool reorient();
   bool plan_turned_goal();
@@ -131,6 +134,7 @@ class Placement {
   std::unique_ptr<planning::CollisionChecker> scene_;
   PickState state_;
   PlaceResult result_;
+  Eigen::Isometry3d T_flat_object_ = Eigen::Isometry3d::Identity();  // Standing::T_flat_object
   std::string last_failed_;
   PhaseSequence sequence_;
 };
@@ -155,14 +159,14 @@ bool Placement::plan_goal() {
     if (!held) return {false, "no pose of the held object"};
     result_.held = *held;
     result_.T_world_target = target_pose(task_.target, object_, held->found_stable_pose);
-    result_.certain = held->certainty >= options_.certain;
-    if (!result_.certain) {
+    if (held->certainty < options_.certain) {
       return {false, fmt::format("ambiguous: {:.2f} agree on where it would stand, {} required",
                                  rounded_down(held->certainty), options_.certain)};
     }
     status = PlaceStatus::unreachable;
     const GoalSearch search = search_goal(*held);
     result_.other_stable_pose = !search.same_stable_pose;
+    expect_lean();
     result_.goal = search.goal;
     result_.reorientation = plan_in_hand_reorientation(
         place_strategy(options_), {robot_.reading().base, result_.T_world_target, *held, search},
@@ -170,11 +174,36 @@ bool Placement::plan_goal() {
         [&](const HeldObject& turned) { return search_goal(turned).goal.has_value(); });
     if (!search.goal && !result_.reorientation) return {false, "unreachable: " + search.obstacle};
     return {true,
-            fmt::format("{:.2f} agree; {} stable pose{}", held->certainty,
-                        search.same_stable_pose ? "the same" : "another",
+            fmt::format("{:.2f} agree; {} stable pose{}{}", held->certainty,
+                        search.same_stable_pose ? "the same" : "another", lean_text(),
                         result_.reorientation ? "; fingers " + result_.reorientation->why : "")};
   }));
   return ok || fail(status);
+}
+
+/// How it will stand: as it did in the closed hand, if it is put down on the same side.
+void Placement::expect_lean() {
+  const double most = options_.same.angle;
+  const auto& errors = task_.pick.estimation;
+  if (task_.target.kind == PlaceTarget::Kind::fixture) {  // its walls keep it upright
+    result_.upright = 1;
+  } else if (result_.other_stable_pose || picked_.fallen) {
+    const auto nearest = nearest_stable_pose(object_, result_.T_world_target.linear());
+    result_.upright = upright_probability(task_.object, nearest.stable_pose, errors, most);
+  } else {
+    const Standing standing =
+        as_it_stood(task_.object, robot_, result_.held.T_base_object, errors, most);
+    T_flat_object_ = standing.T_flat_object;
+    result_.lean = standing.lean;
+    result_.upright = standing.upright;
+  }
+  result_.certain = result_.held.certainty * result_.upright >= options_.certain;
+}
+
+std::string Placement::lean_text() const {
+  if (result_.certain) return "";
+  return fmt::format("; it leans by {:.0f} deg, upright with {:.2f}",
+                     kDegreesPerRadian * result_.lean, rounded_down(result_.upright));
 }
 
 GoalSearch Placement::search_goal(const HeldObject& held) {
@@ -277,7 +306,7 @@ bool Placement::set_down(const PlaceGoal& goal, double wall, const LowerOptions&
   PlacePhase lower(options, goal, wall, std::move(name));
   const bool ok = sequence_.run(lower);
   if (for_good && lower.released()) {
-    result_.T_world_placed = laid_flat(object_, lower.T_world_object());
+    result_.T_world_placed = laid_flat(object_, lower.T_world_object()) * T_flat_object_;
   }
   if (ok) return withdraw();
   if (out_of_reach()) return fail(PlaceStatus::unreachable);

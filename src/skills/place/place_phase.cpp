@@ -145,7 +145,7 @@ void release(Executor& robot, const LowerOptions& options) {
   for (Eigen::Index i = 0; i < opened.size(); ++i) {
     if (robot.actuators()[static_cast<std::size_t>(i)].finger >= 0) opened[i] = open[i];
   }
-  robot.move_fingers(opened, options.open_seconds);
+  open_yielding(robot, opened, options.open_seconds);
   robot.wait(kSettleSeconds);
 }
 

@@ -103,7 +103,9 @@ struct PlaceResult {
   FaultReport fault;  ///< that stopped the robot for good: nothing is known of the object then
   std::vector<PhaseReport> phases;
   HeldObject held;
-  bool certain = false;  ///< the pose was known well enough
+  bool certain = false;  ///< known well enough, and expected to stand as the target has it
+  double lean = 0;       ///< rad, expected at the target, from the stable pose
+  double upright = 1;    ///< probability that it leans by less than PlaceOptions::same
   bool other_stable_pose =
       false;                ///< the target asks for a stable pose other than that it was found in
   bool on_the_way = false;  ///< the target was one on the way to the target proper
