@@ -19,6 +19,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/hand/arm_follower.hpp"
 #include "robot_parts.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 namespace {
@@ -87,14 +88,15 @@ std::vector<hand::LinkSphere> spheres_from(nb::handle values, std::size_t links)
   std::vector<hand::LinkSphere> spheres;
   if (!is_given(values)) return spheres;
   const Matrix rows = matrix_from(values, "spheres");
+  if (rows.size() == 0) return spheres;
   if (rows.cols() != 5) {
     throw BadInput(fmt::format("spheres has shape ({}, {}), not (S, 5): link, x, y, z, radius",
                                rows.rows(), rows.cols()));
   }
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const double link = rows(i, 0);
-    if (!(link >= 0 && link < static_cast<double>(links)) || !(rows(i, 4) > 0) ||
-        !rows.row(i).allFinite()) {
+    const bool known = link >= 0 && link < static_cast<double>(links) && link == std::floor(link);
+    if (!known || !(rows(i, 4) > 0) || !rows.row(i).allFinite()) {
       throw BadInput(
           fmt::format("sphere {} is on link {} of {}, of radius {} m", i, link, links, rows(i, 4)));
     }
@@ -313,7 +315,7 @@ void bind_follower(nb::module_& module) {
           "reset",
           [](ArmFollower& self, nb::object T, const std::vector<BasePosition>& tour) {
             const Eigen::Isometry3d T_world_mount = pose_from(T, "T_world_mount");
-            const nb::gil_scoped_release release;
+            const WithoutGil release;
             return array_of(self.reset(T_world_mount, tour));
           },
           "T_world_mount"_a, "tour"_a = nb::list(),
@@ -338,7 +340,7 @@ void bind_follower(nb::module_& module) {
       .def(
           "check_path",
           [](const ArmFollower& self, const std::vector<BasePosition>& way) {
-            const nb::gil_scoped_release release;
+            const WithoutGil release;
             return started(self).check_path(way);
           },
           "way"_a,

@@ -10,9 +10,30 @@
 
 namespace palpate::python {
 
+namespace {
+
+/// Not all that has a mask() is masked: a pandas.Series has a method of that name.
+/// @throws BadInput where values of a numpy.ma array, or of one in a list of them, are masked
+void require_unmasked(nb::handle array, std::string_view what) {
+  const nb::object masked = nb::module_::import_("numpy").attr("ma").attr("MaskedArray");
+  if (nb::isinstance<nb::list>(array) || nb::isinstance<nb::tuple>(array)) {
+    for (const nb::handle part : array) {
+      if (nb::isinstance(part, masked)) require_unmasked(part, what);
+    }
+    return;
+  }
+  if (!nb::isinstance(array, masked)) return;
+  if (nb::cast<bool>(nb::bool_(array.attr("mask").attr("any")()))) {
+    throw BadInput(fmt::format("{}: some values are masked", what));
+  }
+}
+
+}  // namespace
+
 /// Of an array numpy drops imaginary parts and masks, counts the seconds of times, and reads text.
 /// Other libraries' tensors have types of their own: what numpy makes of them is looked at.
 void require_real(nb::handle array, std::string_view what) {
+  require_unmasked(array, what);
   if (!nb::hasattr(array, "dtype")) return;
   const nb::module_ numpy = nb::module_::import_("numpy");
   nb::object type = array.attr("dtype");
@@ -22,9 +43,6 @@ void require_real(nb::handle array, std::string_view what) {
   const auto kind = nb::cast<std::string>(type.attr("kind"));
   if (kind.find_first_of("cmMVSU") != std::string::npos) {
     throw BadInput(fmt::format("{}: {} is no real number", what, nb::str(type).c_str()));
-  }
-  if (nb::hasattr(array, "mask") && nb::cast<bool>(nb::bool_(array.attr("mask").attr("any")()))) {
-    throw BadInput(fmt::format("{}: some values are masked", what));
   }
 }
 
@@ -41,13 +59,14 @@ std::string shape_of(const Array& array) {
 }
 
 /// @throws BadInput where numpy finds no numbers in it
-Array array_from(nb::handle values, std::string_view what, const char* type = "float64") {
+Array array_from(nb::handle values, std::string_view what) {
   const nb::object numpy = nb::module_::import_("numpy");
   try {
     require_real(values, what);
-    nb::object array = numpy.attr("asarray")(values, nb::arg("dtype") = type);
-    return nb::cast<Array>(
-        numpy.attr("asarray")(array, nb::arg("dtype") = "float64", nb::arg("order") = "C"));
+    auto array = nb::cast<Array>(
+        numpy.attr("asarray")(values, nb::arg("dtype") = "float64", nb::arg("order") = "C"));
+    if (!nb::hasattr(values, "dtype")) require_real(numpy.attr("asarray")(values), what);
+    return array;
   } catch (const nb::python_error& error) {
     throw BadInput(fmt::format("{}: {}", what, nb::cast<std::string>(nb::str(error.value()))));
   }
@@ -89,14 +108,6 @@ std::vector<double> numbers_from(nb::handle values, std::string_view what) {
   const Array array = array_from(values, what);
   if (array.ndim() != 1) refuse(array, what, "(N,)");
   return {array.data(), array.data() + array.size()};
-}
-
-std::vector<int> integers_from(nb::handle values, std::string_view what) {
-  const Array array = array_from(values, what, "int32");
-  if (array.ndim() != 1) refuse(array, what, "(N,)");
-  std::vector<int> result(array.size());
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] = static_cast<int>(array.data()[i]);
-  return result;
 }
 
 Matrix matrix_from(nb::handle values, std::string_view what) {

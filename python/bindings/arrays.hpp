@@ -42,9 +42,6 @@ std::vector<double> numbers_from(nb::handle values, std::size_t count, std::stri
 /// Numbers (N,).
 std::vector<double> numbers_from(nb::handle values, std::string_view what);
 
-/// Integers (N,).
-std::vector<int> integers_from(nb::handle values, std::string_view what);
-
 /// Any two-dimensional array; (0, 0) for one without elements.
 Matrix matrix_from(nb::handle values, std::string_view what);
 

@@ -15,6 +15,7 @@
 #include "palpate/registration/cloud_registration.hpp"
 #include "registration_fields.hpp"
 #include "registration_words.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 namespace {
@@ -76,7 +77,7 @@ re::CloudRegistration register_clouds(nb::object source, nb::object target,
   options.registration.estimate_scale = estimate_scale;
   options.registration.instances = instances;
   const CloudArgument from(source, "source"), to(target, "target");
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   return re::register_clouds(from.view(), to.view(), options);
 }
 
@@ -110,7 +111,7 @@ re::CloudRegistration register_described(nb::object source, nb::object source_fe
           .options();
   const auto from = described(source, source_features, "source", options),
              to = described(target, target_features, "target", options);
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   return re::register_described(from, to, voxel, options);
 }
 
@@ -176,7 +177,7 @@ void bind_clouds(nb::module_& module) {
                            re::to_string(self.result.status), self.overlap, 1e3 * self.rms_error);
       });
   module.def("load_cloud", &geometry::load_cloud, "path"_a, nb::kw_only(), "samples"_a = 20000,
-             nb::call_guard<nb::gil_scoped_release>(),
+             nb::call_guard<WithoutGil>(),
              "Read PLY, PCD, XYZ or OBJ; a mesh is sampled at so many points.\n\nRaises "
              "ValueError, naming file and line.");
   module.def(

@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numbers>
 #include <tuple>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "palpate/core/angle.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/localization/contacts_io.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 namespace {
@@ -36,10 +39,10 @@ std::vector<Eigen::Vector3d> as_many(nb::handle values, std::size_t count, std::
 /// Rows of nan, or of zeros, are contacts whose normal is not known.
 Eigen::Vector3d unit_or_none(const Eigen::Vector3d& n, std::size_t index) {
   if (n.array().isNaN().all() || n.isZero(0)) return Eigen::Vector3d::Zero();
-  if (!(n.allFinite() && n.norm() > 1e-6)) {
+  if (!(n.allFinite() && n.stableNorm() > 1e-6)) {
     throw BadInput(fmt::format("normal {} is ({}, {}, {})", index, n.x(), n.y(), n.z()));
   }
-  return n.normalized();
+  return n.stableNormalized();
 }
 
 void check_finite(const Eigen::Vector3d& v, const char* what, std::size_t index) {
@@ -60,6 +63,18 @@ void check_contact(const tactile::Contact& contact, std::size_t index) {
   check_finite(contact.f, "force", index);
   check_sigma(contact.point_sigma, "point_sigma", index);
   check_sigma(contact.normal_sigma, "normal_sigma", index);
+}
+
+/// @throws BadInput for errors that are none: millimetres, degrees
+void check_stated(const tactile::Contact& contact, std::size_t index) {
+  if (contact.point_sigma > localization::kMaxPointSigma) {
+    throw BadInput(fmt::format("contact {}: point_sigma is {} m, more than {}; is it in mm?", index,
+                               contact.point_sigma, localization::kMaxPointSigma));
+  }
+  if (contact.normal_sigma > std::numbers::pi / 2) {
+    throw BadInput(fmt::format("contact {}: normal_sigma is {} rad, more than pi/2; is it in deg?",
+                               index, contact.normal_sigma));
+  }
 }
 
 Contacts make_contacts(nb::handle points, nb::handle normals, nb::handle forces, nb::handle sigma,
@@ -83,13 +98,14 @@ Contacts make_contacts(nb::handle points, nb::handle normals, nb::handle forces,
     contacts.list[k].point_sigma = sp[k];
     contacts.list[k].normal_sigma = sn[k];
     check_contact(contacts.list[k], k);
+    check_stated(contacts.list[k], k);
   }
   return contacts;
 }
 
-void check_noise(const char* what, double value) {
-  if (value > 0 && std::isfinite(value)) return;
-  throw BadInput(fmt::format("{} is {}, not positive", what, value));
+void check_noise(const char* what, double value, double most) {
+  if (value > 0 && value <= most) return;
+  throw BadInput(fmt::format("{} is {}, not positive and at most {:.4g}", what, value, most));
 }
 
 Rows3 column(const Contacts& contacts, Eigen::Vector3d tactile::Contact::*vector) {
@@ -129,11 +145,16 @@ Eigen::VectorXi groups_of(const Contacts& contacts) {
 
 /// Groups of the second keep apart from those of the first.
 Contacts joined(const Contacts& a, const Contacts& b) {
-  int next = 0;
-  for (const auto& contact : a.list) next = std::max(next, contact.group + 1);
+  std::int64_t next = 0;
+  for (const auto& contact : a.list) next = std::max<std::int64_t>(next, contact.group + 1LL);
   Contacts both = a;
   for (tactile::Contact contact : b.list) {
-    if (contact.group >= 0) contact.group += next;
+    const std::int64_t group = contact.group < 0 ? contact.group : contact.group + next;
+    if (group > std::numeric_limits<int>::max()) {
+      throw BadInput(
+          fmt::format("group {} of the second contacts would be group {}", contact.group, group));
+    }
+    contact.group = static_cast<int>(group);
     both.list.push_back(contact);
   }
   return both;
@@ -213,9 +234,10 @@ void bind_contacts(nb::module_& module) {
                   "numpy.typing.ArrayLike | None = None) -> None"),
           "Contacts at points (N, 3), m.\n\nnormals (N, 3): outward of the object, made unit "
           "vectors; a row of nan: not known. forces (N, 3): of the sensor on the object, N. "
-          "point_sigma: error per axis, m, one number or (N,), 0.001 if not given. normal_sigma: "
-          "per tangent axis, rad, 10 deg if not given.\n\nRaises ValueError, naming the contact, "
-          "for other shapes, values that are not finite, and sigmas that are not positive.")
+          "point_sigma: error per axis, m, one number or (N,), 0.001 if not given, at most 0.1. "
+          "normal_sigma: per tangent axis, rad, 10 deg if not given, at most pi/2.\n\nRaises "
+          "ValueError, naming the contact, for other shapes, values that are not finite, and "
+          "sigmas that are not positive or too large.")
       .def("__len__", [](const Contacts& self) { return self.list.size(); })
       .def_prop_ro(
           "points", [](const Contacts& self) { return column(self, &tactile::Contact::p); },
@@ -247,15 +269,16 @@ void bind_contacts(nb::module_& module) {
   module.def(
       "read_contacts",
       [](const std::filesystem::path& path, double point_sigma, double normal_sigma) {
-        check_noise("point_sigma", point_sigma);
-        check_noise("normal_sigma", normal_sigma);
+        check_noise("point_sigma", point_sigma, localization::kMaxPointSigma);
+        check_noise("normal_sigma", normal_sigma, std::numbers::pi / 2);
         return Contacts{localization::read_contacts(path, {point_sigma, normal_sigma})};
       },
       "path"_a, nb::kw_only(), "point_sigma"_a = kPointSigma, "normal_sigma"_a = kNormalSigma,
-      nb::call_guard<nb::gil_scoped_release>(),
+      nb::call_guard<WithoutGil>(),
       "Contacts of a CSV with x,y,z and, optionally, nx,ny,nz,point_sigma,normal_sigma,"
       "group,finger,t,fx,fy,fz; point_sigma (m) and normal_sigma (rad) where the file states "
-      "none.\n\nRaises ValueError, naming file and line, and for noise that is not positive.");
+      "none.\n\nRaises ValueError, naming file and line, and for noise that is not positive or "
+      "too large.");
 }
 
 }  // namespace palpate::python

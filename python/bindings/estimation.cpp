@@ -14,6 +14,7 @@
 #include "palpate/core/option_check.hpp"
 #include "palpate/estimation/held_pose_follower.hpp"
 #include "shared_model.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 namespace {
@@ -139,17 +140,17 @@ void bind_estimation(nb::module_& module) {
            "Nothing is known yet.\n\nperiod: s from one estimate to the next; fingers: that must "
            "touch for one; lost_after: s with fewer, after which nothing is known any "
            "more.\n\nRaises ValueError for numbers out of range.")
-      .def("update", &Follower::update, "reading"_a, nb::call_guard<nb::gil_scoped_release>(),
+      .def("update", &Follower::update, "reading"_a, nb::call_guard<WithoutGil>(),
            "Takes a reading, one a tick, which takes microseconds.\n\nRaises ValueError for a "
            "reading of another hand, one that is not finite, and one that is not later than the "
            "one before.")
       .def_prop_ro("due", &Follower::due,
                    "Whether enough fingers touch, and the last estimate is a period old.")
-      .def("estimate", &Follower::estimate, nb::call_guard<nb::gil_scoped_release>(),
+      .def("estimate", &Follower::estimate, nb::call_guard<WithoutGil>(),
            "Estimates the pose at the last reading, in the world, and goes on from it, unless no "
            "pose explains the contacts; a fraction of a second where the pose is known, else a "
            "search.\n\nRaises ValueError before the first reading.")
-      .def("begin", &Follower::begin, "posterior"_a, nb::call_guard<nb::gil_scoped_release>(),
+      .def("begin", &Follower::begin, "posterior"_a, nb::call_guard<WithoutGil>(),
            "The pose is known at the last reading, in the world: that of localize() in that frame, "
            "say.\n\nRaises ValueError for a posterior without modes or of another object, and "
            "before the first reading.")

@@ -9,6 +9,7 @@
 #include "arrays.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/localization/free_space.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 
@@ -98,7 +99,9 @@ lo::FreeVoxels voxels_from(nb::handle free, double pitch, nb::handle T_frame_gri
 
 /// Rows x, y, z, radius.
 Matrix free_space_of_voxels(nb::object free, double pitch, nb::object T_frame_grid) {
-  const auto spheres = lo::free_spheres_of(voxels_from(free, pitch, T_frame_grid));
+  const lo::FreeVoxels voxels = voxels_from(free, pitch, T_frame_grid);
+  const WithoutGil release;
+  const auto spheres = lo::free_spheres_of(voxels);
   Matrix rows(static_cast<Eigen::Index>(spheres.size()), 4);
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const lo::FreeSphere& sphere = spheres[static_cast<std::size_t>(i)];

@@ -6,6 +6,8 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -14,6 +16,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
 #include "pickle.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 namespace {
@@ -93,6 +96,16 @@ Mesh mesh_of(ge::TriangleMesh triangles) {
   return {std::make_shared<const ge::MeshQuery>(std::move(triangles))};
 }
 
+/// @throws BadInput for a name that says another format
+void save(const ge::TriangleMesh& mesh, const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (!ending.empty() && ending != ".ply") {
+    throw BadInput(fmt::format("'{}': a mesh is saved as PLY, not as '{}'", path.string(), ending));
+  }
+  ge::save_ply(path, mesh);
+}
+
 struct ClosestPoints {
   Rows3 points, normals;
   Eigen::VectorXd distances;
@@ -109,7 +122,7 @@ namespace {
 
 ClosestPoints closest_points(const Mesh& mesh, nb::handle at) {
   const auto asked = points_from(at, "points");
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   const auto count = static_cast<Eigen::Index>(asked.size());
   ClosestPoints result{Rows3(count, 3), Rows3(count, 3), Eigen::VectorXd(count)};
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -123,7 +136,7 @@ ClosestPoints closest_points(const Mesh& mesh, nb::handle at) {
 
 Eigen::VectorXd signed_distance(const Mesh& mesh, nb::handle at) {
   const auto asked = points_from(at, "points");
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   Eigen::VectorXd result(static_cast<Eigen::Index>(asked.size()));
   for (Eigen::Index i = 0; i < result.size(); ++i) {
     result[i] = mesh.query->signed_distance(asked[static_cast<std::size_t>(i)]);
@@ -174,10 +187,10 @@ void bind_mesh(nb::module_& module) {
            "is watertight.\n\nRaises ValueError for another shape.")
       .def(
           "save",
-          [](const Mesh& self, const std::filesystem::path& path) {
-            ge::save_ply(path, self.triangles());
-          },
-          "path"_a, "Write a binary PLY in full precision, atomically.")
+          [](const Mesh& self, const std::filesystem::path& path) { save(self.triangles(), path); },
+          "path"_a,
+          "Write a binary PLY in full precision, atomically.\n\nRaises ValueError for a path that "
+          "ends as files of another format do.")
       .def("__getstate__",
            [](const Mesh& self) { return Kept<ge::TriangleMesh>::of(self.triangles()); })
       .def("__setstate__",
@@ -192,7 +205,7 @@ void bind_mesh(nb::module_& module) {
       });
   module.def(
       "load_mesh", [](const std::filesystem::path& path) { return mesh_of(ge::load_mesh(path)); },
-      "path"_a, nb::call_guard<nb::gil_scoped_release>(),
+      "path"_a, nb::call_guard<WithoutGil>(),
       "Read PLY, STL or OBJ in the file's own units.\n\nRaises ValueError, naming the file "
       "and the offending line or element.");
 }
@@ -233,7 +246,8 @@ void bind_object(nb::module_& module) {
   bound.def_ro("name", &Object::name, "As it was asked for.")
       .def_prop_ro(
           "mesh", [](const Object& self) { return mesh_of(self.mesh); },
-          "Watertight, in the object's frame.")
+          "Watertight, in the object's frame. A new one each time, with the tree that its queries "
+          "need: keep it for many of them.")
       .def_ro("mass", &Object::mass, "kg.")
       .def_prop_ro(
           "volume", [](const Object& self) { return self.mass_properties.volume; }, "m^3.")
@@ -260,7 +274,7 @@ void bind_object(nb::module_& module) {
   module.def(
       "load_known_object",
       [](const std::filesystem::path& name) { return ge::load_known_object(name.string()); },
-      "name_or_file"_a, nb::call_guard<nb::gil_scoped_release>(),
+      "name_or_file"_a, nb::call_guard<WithoutGil>(),
       "A built-in object, 'generated:SEED', or a mesh file in metres.\n\nRaises ValueError "
       "for an unknown name, or a mesh that cannot be read, repaired, or that is smaller than "
       "10 mm or larger than 400 mm.");
@@ -272,7 +286,7 @@ void bind_object(nb::module_& module) {
         }
         return ge::make_known_object(name, mesh.triangles(), mass);
       },
-      "name"_a, "mesh"_a, nb::kw_only(), "mass"_a = 0.0, nb::call_guard<nb::gil_scoped_release>(),
+      "name"_a, "mesh"_a, nb::kw_only(), "mass"_a = 0.0, nb::call_guard<WithoutGil>(),
       "An object of that shape; mass in kg, 0: from the volume.\n\nRaises ValueError as "
       "load_known_object, naming the object.");
 }
@@ -286,19 +300,23 @@ void bind_geometry(nb::module_& module) {
   nb::class_<ge::ObjectModel>(module, "ObjectModel",
                               "An object prepared for localization: distance field and surface "
                               "samples. Threads may share it.")
-      .def(nb::init<ge::KnownObject>(), "object"_a, nb::call_guard<nb::gil_scoped_release>(),
+      .def(nb::init<ge::KnownObject>(), "object"_a, nb::call_guard<WithoutGil>(),
            "Prepare an object, which takes some tenths of a second.")
       .def_prop_ro(
           "object", [](const ge::ObjectModel& self) { return self.object(); }, "What was prepared.")
       .def_prop_ro("area", &ge::ObjectModel::area, "Of the surface, m^2.")
-      .def("__getstate__",
-           [](const ge::ObjectModel& self) { return Kept<ge::KnownObject>::of(self.object()); })
-      .def("__setstate__",
-           [](ge::ObjectModel* self, nb::object state) {
-             auto object = restored<ge::KnownObject>(state);
-             const nb::gil_scoped_release release;
-             new (self) ge::ObjectModel(std::move(object));
-           })
+      .def(
+          "__getstate__",
+          [](const ge::ObjectModel& self) { return Kept<ge::KnownObject>::of(self.object()); },
+          nb::sig("def __getstate__(self) -> tuple"))  // `object` is a property of this class
+      .def(
+          "__setstate__",
+          [](ge::ObjectModel* self, nb::object state) {
+            auto object = restored<ge::KnownObject>(state);
+            const WithoutGil release;
+            new (self) ge::ObjectModel(std::move(object));
+          },
+          nb::sig("def __setstate__(self, state: tuple, /) -> None"))
       .def("__repr__", [](const ge::ObjectModel& self) {
         return fmt::format("ObjectModel('{}')", self.object().name);
       });

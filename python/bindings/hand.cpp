@@ -17,6 +17,7 @@
 #include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "python_hand.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 
@@ -191,7 +192,7 @@ struct HandTrampoline final : PythonHand {
   NB_TRAMPOLINE(PythonHand, 1);
 
   HandReading step(const HandCommand& command) override {
-    const nb::gil_scoped_acquire acquire;
+    const WithGil acquire;
     try {
       NB_OVERRIDE_PURE(step, command);
     } catch (const nb::python_error& error) {
@@ -218,7 +219,7 @@ void bind_hand(nb::module_& module) {
            "A hand of this description, as the pick is to believe it.")
       .def_prop_ro("description", &DescribedHand::description, nb::rv_policy::reference_internal,
                    "As the pick believes it.")
-      .def("step", &DescribedHand::step, "command"_a, nb::call_guard<nb::gil_scoped_release>(),
+      .def("step", &DescribedHand::step, "command"_a, nb::call_guard<WithoutGil>(),
            "Apply a command for one tick and return what was sensed at its end.")
       .def("__repr__", [](const DescribedHand& self) {
         return fmt::format("Hand('{}')", self.description().name);

@@ -16,6 +16,7 @@
 #include "localization_fields.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/option_check.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 namespace {
@@ -63,10 +64,17 @@ double mean_area(const std::vector<SharedModel>& models) {
   return sum / static_cast<double>(models.size());
 }
 
+/// @throws what a signal handler raised, as Ctrl-C does
+void check_signals() {
+  const WithGil acquire;
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
 Identification search(const std::vector<SharedModel>& models, const lo::Evidence& evidence,
                       const lo::IdentificationOptions& options, std::uint64_t seed) {
   std::vector<lo::ObjectHypothesis> hypotheses;
   for (const auto& model : models) {
+    check_signals();
     hypotheses.push_back(
         lo::hypothesis_of(*model, evidence, RandomStream(seed, "localize"), {}, options));
   }
@@ -92,7 +100,7 @@ Identification identify(const nb::sequence& models, const Contacts& contacts,
   lo::IdentificationOptions options;
   options.other = other;
   options = checked(options);
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   return search(shared, evidence, options, seed);
 }
 
@@ -169,7 +177,8 @@ void bind_identification(nb::module_& module) {
       "marginal likelihoods (Robert & Casella 2004, ch. 3).\n\nother: prior probability of an "
       "object that is none of them. free_space (N, 4), planes and the rest are those of "
       "localize(), whose "
-      "method 'full' searches each object.\n\nRaises ValueError as localize(), and for no "
+      "method 'full' searches each object. Ctrl-C ends it after the object at hand.\n\nRaises "
+      "ValueError as localize(), and for no "
       "models; TypeError for what is no ObjectModel.");
 }
 

@@ -19,6 +19,7 @@
 #include "palpate/localization/pose_prior.hpp"
 #include "palpate/localization/tracking/tracker.hpp"
 #include "shared_model.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 namespace {
@@ -56,7 +57,7 @@ lo::TableSupport make_table(nb::object T_frame_table, double half_width, double 
 
 Posterior localize(nb::object model, const Contacts& contacts, const std::string& method,
                    std::optional<lo::TableSupport> table, nb::object free_space, nb::object planes,
-                   std::optional<lo::PosePrior> prior, double false_contacts,
+                   const std::optional<PosePrior>& prior, double false_contacts,
                    double noise_scale_prior, double size_prior, double surface_sigma, int proposals,
                    int particles, int modes, std::uint64_t seed) {
   if (method != "fast" && method != "full") {
@@ -66,13 +67,16 @@ Posterior localize(nb::object model, const Contacts& contacts, const std::string
   lo::Evidence evidence =
       evidence_from(contacts, {std::move(table), free_space, planes, false_contacts,
                                noise_scale_prior, size_prior, surface_sigma});
-  evidence.prior = std::move(prior);
+  if (prior) {
+    require_same_name("prior", prior->object, shared->object().name);
+    evidence.prior = prior->prior;
+  }
   lo::LocalizerOptions options;
   options.proposals = proposals;
   options.particles = particles;
   options.modes = modes;
   options = checked(options);
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   const RandomStream random(seed, "localize");
   return {method == "fast" ? lo::localize_fast(*shared, evidence, random, options)
                            : lo::localize(*shared, evidence, random, options),
@@ -216,8 +220,8 @@ void bind_posterior(nb::module_& module) {
       .def("_repr_html_", &posterior_html);
 }
 
-lo::PosePrior prior_from(const Posterior& posterior, nb::object motion_covariance,
-                         std::optional<double> floor) {
+PosePrior prior_from(const Posterior& posterior, nb::object motion_covariance,
+                     std::optional<double> floor) {
   if (floor && !(*floor > 0 && *floor < 1)) {
     throw BadInput(fmt::format("floor is {}, not between 0 and 1", *floor));
   }
@@ -226,7 +230,7 @@ lo::PosePrior prior_from(const Posterior& posterior, nb::object motion_covarianc
       posterior.found,
       moved ? covariance_from(motion_covariance, "motion_covariance") : Matrix6d(Matrix6d::Zero()));
   if (floor) prior.floor = *floor;
-  return prior;
+  return {std::move(prior), posterior.model->object().name};
 }
 
 void bind_evidence(nb::module_& module) {
@@ -268,11 +272,12 @@ void bind_evidence(nb::module_& module) {
         return fmt::format("TableSupport(({:.3f}, {:.3f}, {:.3f}) m, +- {:.3f} m)", t.x(), t.y(),
                            t.z(), self.half_width);
       });
-  nb::class_<lo::PosePrior> prior(module, "PosePrior", "What was known of the pose before.");
+  nb::class_<PosePrior> prior(module, "PosePrior", "What was known of the pose before.");
   bind_pickle(prior);
-  prior.def("__len__", [](const lo::PosePrior& self) { return self.components.size(); })
-      .def("__repr__", [](const lo::PosePrior& self) {
-        return fmt::format("PosePrior({} components)", self.components.size());
+  prior.def("__len__", [](const PosePrior& self) { return self.prior.components.size(); })
+      .def("__repr__", [](const PosePrior& self) {
+        return fmt::format("PosePrior('{}', {} components)", self.object,
+                           self.prior.components.size());
       });
   module.def("prior_from", &prior_from, "posterior"_a, "motion_covariance"_a = nb::none(),
              nb::kw_only(), "floor"_a = nb::none(),
@@ -315,7 +320,7 @@ void bind_tracker(nb::module_& module) {
           "update",
           [](Tracker& self, double time, const Contacts& contacts, nb::object velocities) {
             const lo::TrackFrame frame{time, contacts.list, points_from(velocities, "velocities")};
-            const nb::gil_scoped_release release;
+            const WithoutGil release;
             const std::lock_guard lock(self.busy);
             return Posterior{self.filter.update(frame), self.model};
           },
@@ -323,8 +328,9 @@ void bind_tracker(nb::module_& module) {
           nb::sig("def update(self, time: float, contacts: Contacts, velocities: "
                   "numpy.typing.ArrayLike) -> Posterior"),
           "The posterior after what the fingertips sense at a time (s): contacts, and the "
-          "fingertip's velocity at each, (N, 3), m/s.\n\nRaises ValueError for values that are "
-          "not finite or another number of velocities.")
+          "fingertip's velocity at each, (N, 3), m/s. A time that is not later than the last one "
+          "changes nothing.\n\nRaises ValueError for values that are not finite or another number "
+          "of velocities.")
       .def_prop_ro(
           "slips", [](const Tracker& self) { return self.filter.slips(); }, "Found so far.")
       .def("__repr__", [](const Tracker& self) {
@@ -336,8 +342,7 @@ void bind_tracker(nb::module_& module) {
 }  // namespace
 
 void require_same_object(const Posterior& posterior, const geometry::ObjectModel& model) {
-  const std::string &mine = model.object().name, &other = posterior.model->object().name;
-  if (mine != other) throw BadInput(fmt::format("the posterior is of '{}', not '{}'", other, mine));
+  require_same_name("posterior", posterior.model->object().name, model.object().name);
 }
 
 void bind_localization(nb::module_& module) {
@@ -385,7 +390,8 @@ void bind_localization(nb::module_& module) {
       "noise_scale_prior, size_prior: chance that the noise, or the object's size, is not as "
       "stated. surface_sigma: m by which the mesh is off the surface. Of more than 64 contacts so "
       "many are used.\n\nRaises ValueError for values that are not finite, sigmas that are not "
-      "positive, and contacts spread as if in millimetres. That no pose fits is a status.");
+      "positive, contacts spread as if in millimetres, and a prior of another object. That no pose "
+      "fits, and that there are no contacts, table or prior, is a status.");
 }
 
 }  // namespace palpate::python

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -16,6 +17,17 @@
 #include "shared_model.hpp"
 
 namespace palpate::python {
+
+/// A prior with the name of the object whose pose it is of.
+struct PosePrior {
+  localization::PosePrior prior;
+  std::string object;
+};
+
+/// @throws BadInput for what is of another object
+inline void require_same_name(const char* what, const std::string& other, const std::string& mine) {
+  if (mine != other) throw BadInput(fmt::format("the {} is of '{}', not '{}'", what, other, mine));
+}
 
 // What pickles keep of posteriors and evidence.
 
@@ -58,6 +70,10 @@ struct Fields<localization::PosePrior::Component> {
 template <>
 struct Fields<localization::PosePrior> {
   static auto of(localization::PosePrior& it) { return std::tie(it.components, it.floor); }
+};
+template <>
+struct Fields<PosePrior> {
+  static auto of(PosePrior& it) { return std::tie(it.prior, it.object); }
 };
 template <>
 struct Fields<localization::TableSupport> {

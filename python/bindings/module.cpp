@@ -6,6 +6,7 @@
 #include "libraries.hpp"
 #include "palpate/core/version.hpp"
 #include "robot_parts.hpp"
+#include "without_gil.hpp"
 
 NB_MODULE(_core, module) {
   using namespace palpate::python;
@@ -27,4 +28,8 @@ NB_MODULE(_core, module) {
   bind_identification(module);
   bind_estimation(module);
   bind_touches(module);
+  watch_interpreter_end();
+#ifdef NDEBUG
+  nanobind::set_leak_warnings(false);  // what a daemon thread holds at the end of the program
+#endif
 }

@@ -9,6 +9,7 @@
 #include "palpate/registration/cloud_registration.hpp"
 #include "registration_fields.hpp"
 #include "registration_words.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 namespace {
@@ -65,7 +66,7 @@ Result register_pairs(nb::object source, nb::object target, nb::object source_no
   options.instances = instances;
   options.robust_bound.max_nodes = bound_nodes;
   options.seed = seed;
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   return re::register_correspondences(pairs, options);
 }
 
@@ -75,7 +76,7 @@ re::PoseEstimate certify(nb::object T, nb::object source, nb::object target,
   const Eigen::Isometry3d T_target_source = pose_from(T, "T_target_source");
   const auto pairs = pairs_from(source, target, source_normals, target_normals, weights);
   const re::Primitive residuals = primitive_of(primitive);
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   return re::certify(T_target_source, pairs, pairs.weights, residuals);
 }
 

@@ -10,6 +10,7 @@
 
 #include "libraries.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 namespace {
@@ -23,7 +24,7 @@ using hand::TipContact;
 template <class Part, class Convert, class... Arguments>
 auto answer_of(const Part& part, Raised& raised, const char* method, const Convert& convert,
                const Arguments&... arguments) {
-  const nb::gil_scoped_acquire acquire;
+  const WithGil acquire;
   try {
     return convert(nb::find(part).attr(method)(arguments...));
   } catch (const nb::python_error& error) {

@@ -8,6 +8,7 @@
 #include "palpate/tactile/sensors/height_map.hpp"
 #include "palpate/tactile/sensors/intrinsic_contact.hpp"
 #include "palpate/tactile/sensors/taxel_array.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 namespace {
@@ -22,7 +23,7 @@ Contacts of_height_map(nb::object depth, double pixel, nb::object T, double min_
                        double min_share, double depth_sigma, double slope_sigma) {
   const tactile::HeightMap map{matrix_from(depth, "depth"), pixel};
   const Eigen::Isometry3d T_frame_sensor = pose_or_identity(T);
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   return {tactile::contacts_of_height_map(map, T_frame_sensor,
                                           {min_depth, cell, min_share, depth_sigma, slope_sigma})};
 }

@@ -15,6 +15,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/localization/information/next_touch.hpp"
 #include "pickle.hpp"
+#include "without_gil.hpp"
 
 namespace palpate::python {
 namespace {
@@ -117,6 +118,7 @@ void bind_touches(nb::module_& module) {
       [](const geometry::ObjectModel& model, const Posterior& posterior,
          const std::vector<Action>& actions, double tip_radius, std::uint64_t seed) {
         check_positive("tip_radius", tip_radius);
+        require_same_object(posterior, model);
         lo::NextTouchOptions options;
         options.tip_radius = tip_radius;
         const auto choice = lo::choose_touch(model, posterior.found, actions,
@@ -124,11 +126,11 @@ void bind_touches(nb::module_& module) {
         return std::pair{choice.index, choice.information};
       },
       "model"_a, "posterior"_a, "actions"_a, nb::kw_only(), "tip_radius"_a = 0.0075, "seed"_a = 0,
-      nb::call_guard<nb::gil_scoped_release>(),
+      nb::call_guard<WithoutGil>(),
       "Index of the touch with the largest expected information gain about the pose per second, "
       "and "
       "a lower bound of that gain, nats (Kolchinsky & Tracey 2017).\n\nRaises ValueError "
-      "for no touches and a posterior without modes.");
+      "for no touches, and for a posterior without modes or of another object.");
 }
 
 }  // namespace palpate::python

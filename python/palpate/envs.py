@@ -14,6 +14,7 @@ _TOLERANCE_DEG, _TOLERANCE_MM = 5.0, 10.0  # of a pose that is correct
 _CERTAIN = 0.95  # probability that ends an episode
 _HALF_WIDTH = 0.02  # m, by which the object's place is known beforehand
 _CLEARANCE = 0.05  # m, from which a touch starts, beyond the object's reach
+_MOST_NOISE, _MOST_NOISE_DEG = 0.1, 90.0  # m, deg: that Contacts can state
 _PICTURE = 240  # pixels, of each of the two views
 _GREY, _BLUE, _RED = (190, 190, 190), (40, 90, 220), (220, 40, 40)
 _DRAWN = 4000  # points of the object's surface
@@ -31,6 +32,22 @@ def require_reset(state, call):
     """Raises gymnasium.error.ResetNeeded where an environment has no state yet."""
     if state is None:
         raise gymnasium.error.ResetNeeded(f"{call}() before the first reset()")
+
+
+def known_model(object):
+    """The palpate.ObjectModel of a name, a mesh file in metres, or a model."""
+    if isinstance(object, _core.ObjectModel):
+        return object
+    return _core.ObjectModel(_core.load_known_object(object))
+
+
+def whole_count(name, value):
+    """The integer. Raises ValueError for one that is not positive, and for other numbers."""
+    if not 0 < value < np.inf:
+        raise ValueError(f"{name} is {value}, not positive")
+    if value != int(value):
+        raise ValueError(f"{name} is {value}, not an integer")
+    return int(value)
 
 
 def _yaw(angle):
@@ -53,10 +70,12 @@ class TouchEnv(gymnasium.Env):
     probability exceeds 0.95 and is truncated after `max_touches`.
     Info: `truth` (4, 4), `hit`, and with a pose `correct`, `rotation_error_deg`,
     `translation_error_mm`.
+    object: a name, a mesh file in metres, or a palpate.ObjectModel.
     `render_mode="rgb_array"`: from above and from the side (240, 480, 3): the object grey, at the
     best pose blue, contacts red.
 
-    Raises ValueError for an object that there is not, and for sizes that are not positive.
+    Raises ValueError for an object that there is not, for sizes that are not positive, and for
+    noise above 0.1 m or 90 deg; gymnasium.error.ResetNeeded for a step after `max_touches`.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 2}
@@ -65,20 +84,25 @@ class TouchEnv(gymnasium.Env):
         self, object="mug", *, max_touches=12, cost=0.01, tip_radius=0.0075, point_noise=0.001,
         normal_noise_deg=10.0, proposals=6000, particles=200, render_mode=None,
     ):  # fmt: skip
-        for name, value in (("tip_radius", tip_radius), ("point_noise", point_noise),
-                            ("normal_noise_deg", normal_noise_deg), ("max_touches", max_touches)):  # fmt: skip
+        max_touches = whole_count("max_touches", max_touches)
+        for name, value, most in (
+            ("tip_radius", tip_radius, np.inf),
+            ("point_noise", point_noise, _MOST_NOISE),
+            ("normal_noise_deg", normal_noise_deg, _MOST_NOISE_DEG),
+        ):
             if not 0 < value < np.inf:
                 raise ValueError(f"{name} is {value}, not positive")
-        if max_touches != int(max_touches):
-            raise ValueError(f"max_touches is {max_touches}, not an integer")
+            if value > most:
+                raise ValueError(f"{name} is {value}, more than {most}")
         if not np.isfinite(cost):
             raise ValueError(f"cost is {cost}, not finite")
-        self.model = _core.ObjectModel(_core.load_known_object(object))
+        self.model = known_model(object)
         self.max_touches, self.cost, self.tip_radius = max_touches, cost, tip_radius
         self.point_noise, self.normal_noise = point_noise, np.radians(normal_noise_deg)
         self.search = {"proposals": proposals, "particles": particles}
         self.render_mode, self.truth = known_mode(self, render_mode), None  # until the first reset
-        vertices = self.model.object.mesh.vertices
+        self.mesh = self.model.object.mesh
+        vertices = self.mesh.vertices
         self.radius = float(np.linalg.norm(vertices, axis=1).max())
         self.action_space = spaces.Box(-1, 1, (3,), np.float64)
         self.observation_space = spaces.Dict(
@@ -99,6 +123,8 @@ class TouchEnv(gymnasium.Env):
 
     def step(self, action):
         require_reset(self.truth, "step")
+        if self.touches == self.max_touches:
+            raise gymnasium.error.ResetNeeded(f"step() after the last of {self.touches} touches")
         before = self._probability()
         touch = self.touch(action)
         result = _core.predict_touch(self.model, self.truth, touch, tip_radius=self.tip_radius)
@@ -127,7 +153,7 @@ class TouchEnv(gymnasium.Env):
     def _surface(self):
         """Points of the object's surface, (N, 3), m, in its frame."""
         near = np.random.default_rng(0).uniform(-self.radius, self.radius, (_DRAWN, 3))
-        return self.model.object.mesh.closest_points(near).points
+        return self.mesh.closest_points(near).points
 
     def _draw(self, picture, points, T, colour):
         """Points as pixels, from above in the left half, from the side in the right."""

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 
 from . import _core, sim
-from .envs import known_mode, require_reset
+from .envs import known_mode, require_reset, whole_count
 
 _TICKS = 5  # of 10 ms, a step
 _RATES = np.array([0.015] * 3 + [0.075] * 3)  # m, rad: largest change of the base's command a step
@@ -25,14 +25,18 @@ class HandEnv(gymnasium.Env):
     Observation, of the last tick: `joints` (J,), rad; `torques` (A,), N m; `base` (6,), m and rad;
     `base_force` (3,), N; `contacts` (F, 9): point (m), normal and force (N) of each fingertip's
     strongest contact in its link's frame, zeros for none; `command` (6 + A,), m and rad.
+    object: a name, a mesh file in metres, or a palpate.ObjectModel.
     `render_mode="rgb_array"` draws it (height, width, 3) where OpenGL works.
+
+    Raises ValueError for what there is not, and for `max_steps` that are no positive integer.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 20}
 
     def __init__(self, object, hand, *, max_steps, render_mode, asked=None):
+        self.max_steps = whole_count("max_steps", max_steps)
+        self.render_mode = known_mode(self, render_mode)
         self.world = sim.World(object, hand=hand, options=sim.IDEAL)
-        self.max_steps, self.render_mode = max_steps, known_mode(self, render_mode)
         self.command = None  # until the first reset
         description = self.world.hand.description
         self.start = sim.waiting_command(description)
@@ -77,7 +81,10 @@ class HandEnv(gymnasium.Env):
 
     def render(self):
         """The scene as it is now, (360, 480, 3), uint8; None without a render mode."""
-        return self.world.render() if self.render_mode == "rgb_array" else None
+        if self.render_mode != "rgb_array":
+            return None
+        require_reset(self.command, "render")
+        return self.world.render()
 
     def _tick(self, command):
         reading = self.world.hand.step(_core.HandCommand(command[6:], command[:3], command[3:6]))

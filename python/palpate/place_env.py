@@ -4,6 +4,7 @@
 import numpy as np
 
 from . import _core
+from .envs import known_model
 from .hand_env import HandEnv
 
 _LEVER = 0.05  # m: a turn by an angle counts as a shift by so much times the angle
@@ -23,7 +24,7 @@ class _GoalEnv(HandEnv):
     """Bring the object to a pose; a reward is by how much it came nearer, in m."""
 
     def __init__(self, object, hand, *, max_steps, render_mode):
-        self.model = _core.ObjectModel(_core.load_known_object(object))
+        self.model = known_model(object)
         asked = {"target": ((4, 4), 2)}
         super().__init__(
             self.model, hand, max_steps=max_steps, render_mode=render_mode, asked=asked

@@ -21,6 +21,7 @@ _PARTS = {  # of the published observation
     "object_from_target": slice(36, 39),
 }
 _LIMIT, _SPEED_LIMIT = 10.0, 100.0
+_SEEDS = 2**64  # that there are; gymnasium knows more
 
 
 def _observation_space(flat):
@@ -76,7 +77,8 @@ class RelocateEnv(gymnasium.Env):
     makes; `velocities` of the joints (30,). With `flat` the first four as one array (39,), as
     published.
     An episode is truncated after the option `horizon` (99 steps), and terminates where the physics
-    fails. `reset(seed=s)` starts episode s % 2^20 of the seed s / 2^20 of `palpate rollout`;
+    fails. `reset(seed=s)` starts episode s % 2^20 of the seed s / 2^20 of `palpate rollout`
+    (s % 2^64);
     `reset(options={"object": (2,), "target": (3,)})` starts with the object and its target there, m.
     Info: `truth` (37,): joints, place (m) and quaternion (w, x, y, z) of the object; `target` (3,),
     m; `distance` of the object from it, m; `contact` of hand and object.
@@ -100,7 +102,7 @@ class RelocateEnv(gymnasium.Env):
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
         drawn = int(self.np_random.integers(2**31))
-        self.tasks.reset(0, drawn if seed is None else seed)
+        self.tasks.reset(0, drawn if seed is None else seed % _SEEDS)
         if options:
             _place(self.tasks, 0, options)
         self.steps = 0
@@ -189,7 +191,7 @@ class RelocateVectorEnv(VectorEnv):
 
     def _begin(self, index, seed):
         drawn = int(self.randoms[index].integers(2**31))
-        self.tasks.reset(int(index), drawn if seed is None else seed)
+        self.tasks.reset(int(index), drawn if seed is None else seed % _SEEDS)
 
     def _infos(self):
         """As gymnasium's vectors have them: which environments have a value, too."""

@@ -36,6 +36,7 @@ _XYZ = ("x", "y", "z")
 _NORMAL = ("normal_x", "normal_y", "normal_z")
 _FORCE = ("force_x", "force_y", "force_z")
 _SIGMAS = {"point_sigma": 0.001, "normal_sigma": _np.radians(10)}  # m, rad: where none is stated
+_MOST_OF_A_NORMAL = _np.pi / 2  # rad: nothing is known of it
 _MAX_DOMAIN = 232
 
 
@@ -116,6 +117,8 @@ def _sigmas(cloud, values):
         if _np.isnan(column).any():
             raise ValueError(f"contact {_np.isnan(column).argmax()}: {name} is nan")
         sigmas[name] = _np.where(column > 0, column, usual)
+    if "normal_sigma" in sigmas:
+        sigmas["normal_sigma"] = _np.minimum(sigmas["normal_sigma"], _MOST_OF_A_NORMAL)
     return sigmas
 
 
@@ -123,12 +126,12 @@ def contacts_of_cloud(cloud):
     """Contacts of a sensor_msgs/PointCloud2, in its frame.
 
     Fields x, y, z (m); where there are any, normal_x, normal_y, normal_z: outward of the object;
-    force_x, force_y, force_z: of the finger on the object (N); point_sigma (m) and normal_sigma
-    (rad), of which 0 means not stated: 0.001 m, 10 deg. 32 or 64-bit floats. Returns Contacts of N
-    points.
+    force_x, force_y, force_z: of the finger on the object (N); point_sigma (m, at most 0.1) and
+    normal_sigma (rad; more than pi/2 counts as pi/2), of which 0 means not stated: 0.001 m, 10 deg.
+    32 or 64-bit floats. Returns Contacts of N points.
 
     Raises ValueError for a cloud without x, y, z, other types, data that do not fit, and errors
-    that are nan.
+    that are nan or too large.
     """
     count = cloud.width * cloud.height
     data = _np.frombuffer(bytes(cloud.data), dtype=_np.uint8)

@@ -90,10 +90,11 @@ void bind_evaluation(nb::module_& module) {
   module.def(
       "evaluate", &evaluate, "object"_a = "mug", "hand"_a = "shadow", nb::kw_only(),
       "trials"_a = 10, "seed"_a = 0, "threads"_a = 1, "options"_a = nb::dict(),
-      nb::sig("def evaluate(object: str | os.PathLike | palpate._core.ObjectModel = 'mug', hand: "
-              "str = 'shadow', "
-              "*, trials: int = 10, seed: int = 0, threads: int = 1, options: dict[str, object] = "
-              "{}) -> EvaluationResult"),
+      nb::sig(
+          "def evaluate(object: str | os.PathLike | palpate._core.ObjectModel = 'mug', hand: "
+          "str = 'shadow', "
+          "*, trials: int = 10, seed: int = 0, threads: int = 1, options: dict[str, typing.Any] "
+          "= {}) -> EvaluationResult"),
       "Repeats the simulated pick with the seeds seed, seed + 1, ..., and scores it by the truth; "
       "the same for any number of threads.\n\nRaises ValueError for what there is not, and values "
       "out of their range.");

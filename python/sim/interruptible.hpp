@@ -8,6 +8,8 @@
 #include <optional>
 #include <stop_token>
 
+#include "bindings/without_gil.hpp"
+
 namespace palpate::python {
 
 /// work(stop token) in a thread of its own and without the GIL, while Ctrl-C is looked for: that
@@ -19,9 +21,9 @@ auto interruptible(const Work& work) {
   std::optional<nanobind::python_error> caught;
   auto running = std::async(std::launch::async, [&] { return work(stop.get_token()); });
   {
-    const nanobind::gil_scoped_release release;
+    const WithoutGil release;
     while (running.wait_for(kLook) != std::future_status::ready) {
-      const nanobind::gil_scoped_acquire acquire;
+      const WithGil acquire;
       if (PyErr_CheckSignals() == 0) continue;
       caught.emplace();
       stop.request_stop();

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "bindings/without_gil.hpp"
 #include "libraries.hpp"
 
 NB_MODULE(_sim, module) {
@@ -9,4 +10,5 @@ NB_MODULE(_sim, module) {
   palpate::python::bind_evaluation(module);
   palpate::python::bind_relocate(module);
   palpate::python::bind_plan(module);
+  palpate::python::watch_interpreter_end();
 }

@@ -19,6 +19,7 @@
 #include "bindings/arrays.hpp"
 #include "bindings/python_hand.hpp"
 #include "bindings/robot_parts.hpp"
+#include "bindings/without_gil.hpp"
 #include "interruptible.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/simulation/collision/forward_model.hpp"
@@ -53,7 +54,7 @@ struct Robot {
 std::function<void()> stopper(const Robot& robot) {
   if (robot.stop_drives.is_none()) return {};
   return [&robot] {
-    const nb::gil_scoped_acquire hold;
+    const WithGil hold;
     try {
       robot.stop_drives();
     } catch (nb::python_error& error) {
@@ -138,7 +139,7 @@ PickResult pick_with(const Robot& parts, SharedModel model, const TrialOptions& 
   result.model = std::move(model);
   const std::function<void()> stop_drives = stopper(parts);
   {
-    const nb::gil_scoped_release release;
+    const WithoutGil release;
     const auto target = target_of(result.model->object(), options, seed);
     const simulation::SimulatedModels models(options.forward_model_options());
     hand::AssembledHand hand(parts.hand, parts.arm, mounted(parts),
@@ -212,6 +213,9 @@ PickResult pick(nb::object object, nb::object hand, std::uint64_t seed, const nb
         "simulated",
         name.string()));
   }
+  if (start) {
+    throw BadInput("start needs a palpate.Hand of your own: a simulated one waits above the table");
+  }
   if (is_given(stop_drives)) {
     throw BadInput("stop_drives needs a palpate.Hand of your own: a simulated one has no drives");
   }
@@ -230,7 +234,7 @@ void bind_pick(nb::module_& module) {
       nb::sig(
           "def pick(object: str | os.PathLike | palpate._core.ObjectModel = 'mug', hand: str | "
           "os.PathLike | "
-          "palpate._core.Hand = 'shadow', *, seed: int = 0, options: dict[str, object] = {}, "
+          "palpate._core.Hand = 'shadow', *, seed: int = 0, options: dict[str, typing.Any] = {}, "
           "start: palpate._core.HandCommand | None = None, arm: palpate._core.Arm | None = None, "
           "sensors: collections.abc.Sequence[palpate._core.Sensor] = [], place: str | "
           "numpy.typing.ArrayLike | None = None, stop_drives: collections.abc.Callable[[], "

@@ -11,7 +11,7 @@
 
 namespace palpate::python {
 
-/// What became of placing, and by which means.
+/// What became of placing, and by which strategy.
 struct PlaceResult {
   skills::PlaceStatus status = skills::PlaceStatus::lost;
   std::string failed_phase;

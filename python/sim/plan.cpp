@@ -7,6 +7,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <cmath>
 #include <filesystem>
 #include <mutex>
 #include <optional>
@@ -17,6 +18,7 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/pickle.hpp"
+#include "bindings/without_gil.hpp"
 #include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
@@ -76,7 +78,7 @@ hand::Description hand_from(nb::handle hand) {
                                      nb::repr(hand).c_str())
                              .c_str());
   }
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   return simulation::load_hand(name.string());
 }
 
@@ -124,6 +126,11 @@ pl::Waypoint one_waypoint(nb::handle values, const Scene& scene) {
   if (numbers.size() != width) {
     throw BadInput(fmt::format("waypoint has {} values, not {}", numbers.size(), width));
   }
+  for (std::size_t i = 0; i < width; ++i) {
+    if (!std::isfinite(numbers[i])) {
+      throw BadInput(fmt::format("waypoint: value {} is {}, not finite", i, numbers[i]));
+    }
+  }
   return waypoint_from(Eigen::VectorXd::Map(numbers.data(), static_cast<Eigen::Index>(width)));
 }
 
@@ -141,7 +148,7 @@ Plan plan(nb::object waypoints, Scene& scene, std::uint64_t seed, const nb::dict
   pl::PlanOptions options;
   apply_settings(settings, options);
   const auto given = waypoints_from(waypoints, scene);
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   const std::lock_guard lock(scene.busy);
   const pl::Plan found = pl::plan(given, scene.checker, options, seed);
   Plan result{found.status,           {},
@@ -168,6 +175,7 @@ double duration(const Plan& plan) {
 std::optional<std::tuple<std::string, std::string, double>> deepest_collision(Scene& scene,
                                                                               nb::object waypoint) {
   const pl::Waypoint at = one_waypoint(waypoint, scene);
+  const WithoutGil release;
   const std::lock_guard lock(scene.busy);
   const auto pair = scene.checker.deepest_collision(at.base, at.joints);
   if (!pair) return std::nullopt;
@@ -182,7 +190,7 @@ void bind_scene(nb::module_& module) {
            "options"_a = nb::dict(),
            nb::sig("def __init__(self, hand: str | os.PathLike | palpate._core.HandDescription = "
                    "'shadow', object: str | os.PathLike | palpate._core.ObjectModel | None = None, "
-                   "*, options: dict[str, object] = {}) -> None"),
+                   "*, options: dict[str, typing.Any] = {}) -> None"),
            "hand: as load_hand() takes it, or a description. object: a name, a mesh file in "
            "metres, or a model; it is far away until it is placed or held. options: "
            "'allowed_depth', m, and 'self'.\n\nRaises ValueError for what there is not, and values "
@@ -191,6 +199,7 @@ void bind_scene(nb::module_& module) {
           "place",
           [](Scene& self, nb::object T) {
             const Eigen::Isometry3d pose = pose_from(T, "T_world_object");
+            const WithoutGil release;
             const std::lock_guard lock(self.busy);
             self.checker.place(pose);
           },
@@ -202,6 +211,7 @@ void bind_scene(nb::module_& module) {
           "hold",
           [](Scene& self, nb::object T) {
             const Eigen::Isometry3d pose = pose_from(T, "T_palm_object");
+            const WithoutGil release;
             const std::lock_guard lock(self.busy);
             self.checker.hold(pose);
           },
@@ -213,6 +223,7 @@ void bind_scene(nb::module_& module) {
           "palm_pose",
           [](Scene& self, nb::object waypoint) {
             const pl::Waypoint at = one_waypoint(waypoint, self);
+            const WithoutGil release;
             const std::lock_guard lock(self.busy);
             return pose(self.checker.palm_pose(at.base, at.joints));
           },
@@ -220,12 +231,13 @@ void bind_scene(nb::module_& module) {
           nb::sig("def palm_pose(self, waypoint: numpy.typing.ArrayLike) -> "
                   "numpy.typing.NDArray[numpy.float64]"),
           "T_world_palm (4, 4) at (6 + J,), as plan() has waypoints.\n\nRaises ValueError for "
-          "another number of values.")
+          "another number of values, and for values that are not finite.")
       .def("deepest_collision", &deepest_collision, "waypoint"_a,
            nb::sig("def deepest_collision(self, waypoint: numpy.typing.ArrayLike) -> tuple[str, "
                    "str, float] | None"),
            "The two bodies that overlap deepest at (6 + J,), and by how much, m; None where all is "
-           "free.\n\nRaises ValueError for another number of values.")
+           "free.\n\nRaises ValueError for another number of values, and for values that are not "
+           "finite.")
       .def("__repr__", [](const Scene& self) {
         return fmt::format("CollisionScene('{}'{})", self.checker.hand().name,
                            self.object.empty() ? "" : fmt::format(", object '{}'", self.object));
@@ -275,7 +287,7 @@ void bind_plan(nb::module_& module) {
       "plan", &plan, "waypoints"_a, "scene"_a, nb::kw_only(), "seed"_a = 0,
       "options"_a = nb::dict(),
       nb::sig("def plan(waypoints: numpy.typing.ArrayLike, scene: CollisionScene, *, seed: int = "
-              "0, options: dict[str, object] = {}) -> Plan"),
+              "0, options: dict[str, typing.Any] = {}) -> Plan"),
       "A collision-free motion of mount and hand through waypoints, as `palpate plan` makes it "
       "(Sucan, Moll & Kavraki 2012).\n\nwaypoints (N, 6 + J): base x, y, z (m), yaw, pitch, roll "
       "(rad), then the hand's joints (rad) in the order of its description. options: those of "

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "bindings/arrays.hpp"
+#include "bindings/without_gil.hpp"
 #include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/worker_pool.hpp"
@@ -158,7 +159,7 @@ void make(RelocateTasks* self, int count, int threads, const nb::dict& settings)
   if (threads < 1) throw BadInput(fmt::format("threads must be at least 1, not {}", threads));
   RelocateOptions options;
   apply_settings(settings, options);
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   new (self) RelocateTasks(static_cast<std::size_t>(count), threads, options);
 }
 
@@ -174,7 +175,7 @@ void step(RelocateTasks& self, nb::object actions, nb::object skipped) {
     const auto values = numbers_from(skipped, count, "skipped");
     for (std::size_t i = 0; i < count; ++i) idle[i] = values[i] != 0;
   }
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   self.step(rows, idle);
 }
 
@@ -243,12 +244,11 @@ void bind_relocate(nb::module_& module) {
       .def("__init__", &make, "count"_a = 1, nb::kw_only(), "threads"_a = 1,
            "options"_a = nb::dict(),
            nb::sig("def __init__(self, count: int = 1, *, threads: int = 1, options: dict[str, "
-                   "object] = {}) -> None"),
+                   "typing.Any] = {}) -> None"),
            "options: those of `palpate options rollout` about the task and its episodes, as "
            "{'object': 'box', 'solver': 'fast', 'scale_high': 1.0}.\n\nRaises ValueError for a "
            "count or threads below 1, for what there is not, and values out of their range.")
-      .def("reset", &RelocateTasks::reset, "index"_a, "seed"_a,
-           nb::call_guard<nb::gil_scoped_release>(),
+      .def("reset", &RelocateTasks::reset, "index"_a, "seed"_a, nb::call_guard<WithoutGil>(),
            "Starts a task as the episode seed % 2^20 of the rollouts' seed seed / 2^20.\n\nRaises "
            "IndexError for no task of that index.")
       .def(
@@ -272,7 +272,7 @@ void bind_relocate(nb::module_& module) {
           "render",
           [](RelocateTasks& self, std::size_t index, int width, int height) {
             return array_of([&] {
-              const nb::gil_scoped_release release;
+              const WithoutGil release;
               return self.render(index, width, height);
             }());
           },

@@ -14,6 +14,7 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/python_hand.hpp"
+#include "bindings/without_gil.hpp"
 #include "libraries.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
@@ -30,7 +31,7 @@ namespace {
 using namespace nb::literals;
 
 constexpr int kGrasps = 20;             ///< that are tried
-constexpr double kCentred = 0.25;       ///< share of the start's spread under a blind grasp
+constexpr double kCentred = 0.25;       ///< share of the start's spread under an open-loop grasp
 constexpr double kGraspYaw = 3;         ///< rad, of the object, about which it is drawn
 constexpr double kAboveMiddle = 0.015;  ///< m, of the base above the object's middle
 
@@ -105,7 +106,7 @@ struct SimulatedWorld {
 
 nb::object picture(SimulatedWorld& self, int width, int height) {
   return array_of([&] {
-    const nb::gil_scoped_release release;
+    const WithoutGil release;
     return self.render(width, height);
   }());
 }
@@ -115,7 +116,7 @@ void make_world(SimulatedWorld* self, nb::object object, const std::string& hand
   evaluation::TrialOptions options = trial_options(settings);
   options.world.hand = hand;
   SharedModel model = object_from(std::move(object));
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   new (self) SimulatedWorld(std::move(model), options, seed);
 }
 
@@ -133,7 +134,7 @@ void bind_models(nb::module_& module) {
   module.def(
       "load_hand",
       [](const std::filesystem::path& name) {
-        const nb::gil_scoped_release release;
+        const WithoutGil release;
         return simulation::load_hand(name.string());
       },
       "name"_a, nb::sig("def load_hand(name: str | os.PathLike) -> palpate._core.HandDescription"),
@@ -143,7 +144,7 @@ void bind_models(nb::module_& module) {
   module.def(
       "install_hand",
       [](const std::string& name) {
-        const nb::gil_scoped_release release;
+        const WithoutGil release;
         return simulation::install_hand(name).string();
       },
       "name"_a,
@@ -179,7 +180,7 @@ SharedModel object_from(nb::object object) {
                                      nb::repr(object).c_str())
                              .c_str());
   }
-  const nb::gil_scoped_release release;
+  const WithoutGil release;
   return std::make_shared<const geometry::ObjectModel>(geometry::load_known_object(name.string()));
 }
 
@@ -196,11 +197,11 @@ void bind_world(nb::module_& module) {
            "options"_a = nb::dict(),
            nb::sig("def __init__(self, object: str | os.PathLike | palpate._core.ObjectModel, *, "
                    "hand: str = "
-                   "'shadow', seed: int = 0, options: dict[str, object] = {}) -> None"),
+                   "'shadow', seed: int = 0, options: dict[str, typing.Any] = {}) -> None"),
            "object: a name, a mesh file in metres, or a model; hand: as load_hand() takes it; "
            "options: those of `palpate pick`, as {'start.stable_pose': 0}.\n\nRaises ValueError "
            "for what there is not, and values out of their range.")
-      .def("reset", &SimulatedWorld::reset, "seed"_a, nb::call_guard<nb::gil_scoped_release>(),
+      .def("reset", &SimulatedWorld::reset, "seed"_a, nb::call_guard<WithoutGil>(),
            "Puts hand and object, at a start that the seed draws, at rest, at time 0.")
       .def_prop_ro(
           "hand", [](SimulatedWorld& self) -> DescribedHand& { return self.hand; },
@@ -213,7 +214,7 @@ void bind_world(nb::module_& module) {
       .def_prop_ro(
           "T_world_base", [](const SimulatedWorld& self) { return pose(self.hand.base.pose()); },
           "The hand's base as it was commanded last, (4, 4).")
-      .def("grasp", &SimulatedWorld::grasp, "seed"_a, nb::call_guard<nb::gil_scoped_release>(),
+      .def("grasp", &SimulatedWorld::grasp, "seed"_a, nb::call_guard<WithoutGil>(),
            "Puts the object, at a start that the seed draws, into the Shadow hand by a grasp from "
            "above, lifted by 10 cm; returns the command that holds it.\n\nRaises ValueError for a "
            "hand with other actuators, RuntimeError where the object falls again and again.")

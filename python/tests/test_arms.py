@@ -75,6 +75,7 @@ class ArmKinematics(unittest.TestCase):
         self.assertEqual(follower.check_path(way[:1]).obstacle, "")
 
     def test_surfaces_meet_the_table(self):
+        self.assertEqual(six_axes(spheres=np.zeros((0, 5))).collision(self.joints), "")
         ball = six_axes(spheres=[[5, 0, 0, 0, 0.05]])
         self.assertEqual(ball.collision(self.joints), "")
         self.assertIn("wrist_3 would meet the table", ball.collision([0, 1.0, 0.5, 0, 0, 0]))
@@ -97,6 +98,8 @@ class ArmKinematics(unittest.TestCase):
             (lambda: palpate.ArmDescription("x", [joint], frame, [[0, 0, 0]]), "axis 0"),
             (lambda: palpate.ArmDescription("x", [joint], frame, [[0, 0, 1]], spheres=[[0.0] * 4]),
              r"spheres has shape \(1, 4\)"),
+            (lambda: palpate.ArmDescription("x", [joint], frame, [[0, 0, 1]], spheres=[[0.5, 0, 0, 0, 1]]),
+             "sphere 0 is on link 0.5 of 1"),
             (lambda: self.arm.mount_pose([0] * 5), "5 values for 6 joints"),
             (lambda: self.arm.mount_pose([np.nan] * 6), "not finite"),
             (lambda: palpate.PathFeasibility(stretch=0), "stretch is 0"),

@@ -4,6 +4,7 @@
 import copy
 import pathlib
 import pickle
+import tempfile
 import threading
 import unittest
 
@@ -195,6 +196,55 @@ class BadInput(unittest.TestCase):
             ]
         )
 
+    def test_a_method_of_the_name_mask_hides_nothing(self):
+        """As that of a pandas.Series, which has a dtype, too."""
+
+        class Series:
+            dtype = np.dtype(float)
+
+            def __array__(self, dtype=None, copy=None):
+                return np.full(18, 0.002, dtype)
+
+            def mask(self, condition):
+                raise AssertionError("not to be called")
+
+        contacts = palpate.Contacts(self.points, point_sigma=Series())
+        np.testing.assert_array_equal(contacts.point_sigma, np.full(18, 0.002))
+
+    def test_lists_are_looked_into(self):
+        row = np.ma.masked_array([1.0, 2, 3], mask=[0, 1, 0])
+        self.refuses(
+            [
+                ("points: <U3 is no real number", lambda: palpate.Contacts([["0.1"] * 3])),
+                (r"points: datetime64\[D\] is no real",
+                 lambda: palpate.Contacts([[np.datetime64("2020-01-01")] * 3])),
+                ("points: some values are masked", lambda: palpate.Contacts([row])),
+                ("points: some values are masked", lambda: palpate.Contacts(([1, 2, 3], row))),
+            ]
+        )  # fmt: skip
+        self.assertEqual(len(palpate.Contacts([np.ma.masked_array([1.0, 2, 3])])), 1)
+
+    def test_errors_in_other_units(self):
+        one = [[0, 0, 0]]
+        self.refuses(
+            [
+                ("contact 0: point_sigma is 1 m, more than 0.1; is it in mm?",
+                 lambda: palpate.Contacts(one, point_sigma=1)),
+                ("contact 0: normal_sigma is 10 rad, more than pi/2; is it in deg?",
+                 lambda: palpate.Contacts(one, [[0, 0, 1]], normal_sigma=10)),
+                ("point_sigma is 1, not positive and at most 0.1",
+                 lambda: palpate.read_contacts("x.csv", point_sigma=1)),
+                ("normal_sigma is 10, not positive and at most 1.571",
+                 lambda: palpate.read_contacts("x.csv", normal_sigma=10)),
+            ]
+        )  # fmt: skip
+        palpate.Contacts(one, point_sigma=0.1, normal_sigma=np.pi / 2)
+
+    def test_a_normal_of_any_length_is_one(self):
+        for length in (1e-3, 5, 1e200):
+            normals = palpate.Contacts([[0, 0, 0]], [[0, 0, length]]).normals
+            np.testing.assert_array_equal(normals, [[0, 0, 1]])
+
     def test_an_object_s_file_may_be_a_path(self):
         missing = pathlib.Path("nothing") / "like_it.stl"
         with self.assertRaisesRegex(ValueError, "like_it.stl"):
@@ -216,6 +266,15 @@ class Copies(unittest.TestCase):
         for other in (pickle.loads(pickle.dumps(both)), copy.deepcopy(both)):
             for name in ("points", "normals", "forces", "point_sigma", "normal_sigma", "groups"):
                 np.testing.assert_array_equal(getattr(other, name), getattr(both, name))
+
+    def test_groups_of_joined_contacts_are_numbers_that_there_are(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "last.csv"
+            path.write_text("x,y,z,group\n0,0,0,2147483647\n")
+            last = palpate.read_contacts(path)
+        self.assertEqual(list((last + palpate.Contacts([[0, 0, 1]])).groups), [2147483647, -1])
+        with self.assertRaisesRegex(ValueError, "would be group 2147483648"):
+            last + palpate.Contacts([[0, 0, 1]]).candidates()
 
     def test_meshes_and_clouds_are_pickled(self):
         mesh = palpate.load_known_object("box").mesh

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every public name says what it is: shapes, units, errors, and where it comes from."""
 
+import ast
 import inspect
 import pathlib
 import unittest
@@ -55,6 +56,7 @@ class Documentation(unittest.TestCase):
         stub = (pathlib.Path(palpate.__file__).parent / "_sim.pyi").read_text()
         for name in set(_sim.__all__) - {"IDEAL"}:
             self.assertRegex(stub, rf"(class|def) {name}\b")
+        self.assertFalse("dict[str, object]" in stub)  # which no dict[str, float] is
 
     def says_errors(self, name, value):
         text = f"{inspect.getdoc(value) or ''} {getattr(value, '__nb_signature__', '')}"
@@ -88,6 +90,29 @@ class Documentation(unittest.TestCase):
             if name != "envs":
                 self.assertRegex(stub, rf"(class|def) {name}\b|{name}:")
         self.assertIn("numpy.typing.ArrayLike", stub)
+
+    def test_types_in_stubs_are_types(self):
+        """A class that has a property `object` cannot call a type so."""
+        folder = pathlib.Path(palpate.__file__).parent
+        for path in [folder / "_core.pyi"] + ([folder / "_sim.pyi"] if _sim else []):
+            for kind in ast.walk(ast.parse(path.read_text())):
+                if not isinstance(kind, ast.ClassDef):
+                    continue
+                methods = [part for part in kind.body if isinstance(part, ast.FunctionDef)]
+                own = {method.name for method in methods}
+                for method in methods:
+                    types = [method.returns, *(argument.annotation for argument in
+                             ast.walk(method.args) if isinstance(argument, ast.arg))]  # fmt: skip
+                    used = {name.id for one in types if one for name in ast.walk(one)
+                            if isinstance(name, ast.Name)}  # fmt: skip
+                    self.assertFalse(used & own, f"{path.name}: {kind.name}.{method.name}")
+
+    def test_type_checkers_find_the_public_names(self):
+        """They read __all__ only where it is written out."""
+        source = ast.parse(pathlib.Path(palpate.__file__).read_text())
+        (value,) = [part.value for part in source.body if isinstance(part, ast.Assign)
+                    and part.targets[0].id == "__all__"]  # fmt: skip
+        self.assertEqual(ast.literal_eval(value), palpate.__all__)
 
     def test_all_public_names_of_the_core_are_exported(self):
         core = {name for name in dir(_core) if not name.startswith("_")}

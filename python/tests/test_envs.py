@@ -3,7 +3,6 @@
 
 import subprocess
 import sys
-import threading
 import unittest
 import warnings
 
@@ -12,6 +11,7 @@ import numpy as np
 try:
     import gymnasium
     from gymnasium.utils.env_checker import check_env
+    from palpate import _core as core
     from palpate import envs
 except ImportError:
     gymnasium = None
@@ -19,6 +19,7 @@ except ImportError:
 try:
     import palpate.sim
     from palpate.pick_env import PickEnv
+    from palpate.place_env import PlaceEnv
 except ImportError:
     palpate = None
 
@@ -54,6 +55,9 @@ class Touch(unittest.TestCase):
         for name, value in {"max_touches": 2.5, "cost": np.nan, "render_mode": "human"}.items():
             with self.assertRaisesRegex(ValueError, f"{name} .*{value}"):
                 envs.TouchEnv("box", **{name: value})
+        for name, value in {"point_noise": 0.2, "normal_noise_deg": 91}.items():
+            with self.assertRaisesRegex(ValueError, f"{name} is {value}, more than"):
+                envs.TouchEnv("box", **{name: value})
         env = envs.TouchEnv(**QUICK, render_mode="rgb_array")
         for call in (lambda: env.step(np.zeros(3)), env.render):
             with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
@@ -62,6 +66,23 @@ class Touch(unittest.TestCase):
         for action in (np.full(3, np.nan), np.zeros(2), np.zeros((1, 3))):
             with self.assertRaisesRegex(ValueError, "is not three finite numbers"):
                 env.step(action)
+
+    def test_no_step_after_the_last_touch(self):
+        env = envs.TouchEnv(**QUICK | {"max_touches": 2.0})
+        observation, _ = env.reset(seed=1)
+        self.assertEqual(observation["contacts"].shape, (2, 6))
+        up = np.array([0.0, 1.0, 1.0])
+        self.assertEqual([env.step(up)[3] for _ in range(2)], [False, True])
+        with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "after the last of 2 touches"):
+            env.step(up)
+        env.reset()
+        env.step(up)
+
+    def test_an_object_may_be_a_model(self):
+        model = core.ObjectModel(core.load_known_object("box"))
+        env = envs.TouchEnv(**QUICK | {"object": model})
+        self.assertIs(env.model, model)
+        env.reset(seed=1)
 
     def test_the_same_seed_and_actions_give_the_same(self):
         def play():
@@ -139,6 +160,11 @@ class Pick(unittest.TestCase):
     def test_what_cannot_be_done_is_refused(self):
         with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
             PickEnv("box").step(np.zeros(26))
+        with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
+            PickEnv("box", render_mode="rgb_array").render()
+        for steps in (0, np.nan, 1.5):
+            with self.assertRaisesRegex(ValueError, f"max_steps is {steps}, not"):
+                PickEnv("box", max_steps=steps)
         self.env.reset(seed=1)
         for action in (np.full(self.env.action_space.shape, np.nan), np.zeros(2)):
             with self.assertRaisesRegex(ValueError, r"action of shape .*, not \(26,\)"):
@@ -223,6 +249,9 @@ class Goals(unittest.TestCase):
             self.assertAlmostEqual(target[2, 3], info["truth"][2, 3], delta=1e-3)
             np.testing.assert_allclose(target[2, :3], info["truth"][2, :3], atol=1e-12)
 
+    def test_an_object_may_be_a_model(self):
+        self.assertIs(PlaceEnv(self.place.model).model, self.place.model)
+
     def test_an_object_at_its_target_ends_the_episode(self):
         self.place.reset(seed=2)
         self.put(self.place, self.place.target)
@@ -250,128 +279,6 @@ class Goals(unittest.TestCase):
         self.put(self.turn, fallen)
         *_, terminated, truncated, info = self.turn.step(np.zeros(self.turn.action_space.shape))
         self.assertTrue(terminated and info["dropped"] and not info["reached"])
-
-
-@unittest.skipUnless(gymnasium and palpate, "gymnasium is not installed, or built without simulator")
-class Relocate(unittest.TestCase):
-    ID, QUICK = "palpate.envs:Palpate/Relocate-v2", {"solver": "fast", "horizon": 8}
-
-    def test_check_env_is_clean(self):
-        for flat in (False, True):
-            env = gymnasium.make(self.ID, flat=flat, **self.QUICK)
-            with warnings.catch_warnings():
-                warnings.simplefilter("error")
-                check_env(env.unwrapped, skip_render_check=True)
-
-    def test_a_vector_is_as_many_environments_bit_for_bit(self):
-        def vector(mode):
-            return gymnasium.make_vec(self.ID, 3, vectorization_mode=mode, **self.QUICK)
-
-        ours, theirs = vector("vector_entry_point"), vector("sync")
-        for env in (ours, theirs):
-            env.action_space.seed(1)
-        rows = [(env.reset(seed=11)) for env in (ours, theirs)]
-        for step in range(20):  # two ends of episodes are among them
-            for name in ("joints", "palm_from_object", "object_from_target", "velocities"):
-                np.testing.assert_array_equal(rows[0][0][name], rows[1][0][name])
-            for name in ("truth", "distance", "contact"):
-                np.testing.assert_array_equal(rows[0][-1][name], rows[1][-1][name])
-                self.assertEqual(rows[0][-1][name].dtype, rows[1][-1][name].dtype)
-            if step:
-                for mine, other in zip(rows[0][1:4], rows[1][1:4]):
-                    np.testing.assert_array_equal(mine, other)
-            actions = ours.action_space.sample()
-            rows = [env.step(actions) for env in (ours, theirs)]
-
-    def test_the_start_can_be_given(self):
-        env = gymnasium.make(self.ID, **self.QUICK)
-        start = {"object": [-0.05, 0.02], "target": [-0.1, 0.0, 0.2]}
-        observation, info = env.reset(seed=1, options=start)
-        np.testing.assert_allclose(info["target"], start["target"])
-        offset = observation["object_from_target"]
-        self.assertAlmostEqual(np.linalg.norm(offset), info["distance"])
-        other, _ = env.reset(seed=2, options=start)
-        np.testing.assert_array_equal(other["object_from_target"], offset)
-
-    def test_refuses_with_the_value(self):
-        with self.assertRaisesRegex(ValueError, "no_solver"):
-            gymnasium.make(self.ID, solver="no_solver")
-        with self.assertRaisesRegex(ValueError, "are object and target, not objekt"):
-            gymnasium.make(self.ID, **self.QUICK).reset(options={"objekt": [0, 0]})
-        with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
-            gymnasium.make(self.ID, **self.QUICK).unwrapped.step(np.zeros(30))
-        vector = gymnasium.make_vec(self.ID, 2, vectorization_mode="vector_entry_point", **self.QUICK)
-        with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
-            vector.step(np.zeros((2, 30)))
-        tasks = palpate.sim.RelocateTasks(2, options={"solver": "fast"})
-        with self.assertRaisesRegex(ValueError, r"actions has shape \(2, 29\), not \(2, 30\)"):
-            tasks.step(np.zeros((2, 29)))
-        with self.assertRaisesRegex(IndexError, "no task 2 of 2"):
-            tasks.reset(2, 0)
-
-    def test_threads_take_turns_with_the_tasks(self):
-        tasks = palpate.sim.RelocateTasks(3, threads=2, options={"solver": "fast"})
-        alone = palpate.sim.RelocateTasks(3, options={"solver": "fast"})
-        for one in (tasks, alone):
-            for index in range(3):
-                one.reset(index, 7 + index)
-
-        def step():
-            for _ in range(10):
-                tasks.step(np.full((3, 30), 0.1))
-                self.assertEqual(tasks.observations.shape, (3, 39))
-
-        threads = [threading.Thread(target=step) for _ in range(3)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-        for _ in range(30):
-            alone.step(np.full((3, 30), 0.1))
-        np.testing.assert_array_equal(tasks.positions, alone.positions)
-
-    def test_a_picture_shows_each_task_and_its_target(self):
-        def make(mode):
-            return gymnasium.make_vec(self.ID, 2, vectorization_mode=mode,
-                                      render_mode="rgb_array", **self.QUICK)
-
-        ours = make("vector_entry_point")
-        with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
-            ours.render()
-        ours.reset(seed=1)
-        try:
-            first = ours.render()
-        except ValueError as error:
-            self.skipTest(str(error))
-        self.assertEqual([(one.shape, one.dtype) for one in first], [((360, 480, 3), np.uint8)] * 2)
-        self.assertGreater(first[0].std(), 5)
-        self.assertTrue((first[0] != first[1]).any())
-        for _ in range(5):
-            ours.step(np.ones((2, 30)))
-        self.assertTrue((ours.render()[0] != first[0]).any())
-        theirs = make("sync")
-        theirs.reset(seed=1)
-        for one, other in zip(first, theirs.render()):
-            np.testing.assert_array_equal(one, other)
-        env = gymnasium.make(self.ID, render_mode="rgb_array", **self.QUICK).unwrapped
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            check_env(env)
-        start, views = {"object": [-0.05, 0.02]}, []
-        for target in ([-0.1, 0.0, 0.2], [0.1, 0.0, 0.3]):
-            env.reset(seed=1, options=start | {"target": target})
-            views.append(env.render())
-        self.assertTrue((views[0] != views[1]).any())
-        with self.assertRaisesRegex(IndexError, "no task 2 of 2"):
-            ours.tasks.render(2)
-        with self.assertRaisesRegex(ValueError, "8 x 360 pixels"):
-            ours.tasks.render(0, width=8)
-
-    def test_an_action_that_is_not_finite_ends_the_episode(self):
-        env = gymnasium.make(self.ID, **self.QUICK).unwrapped
-        env.reset(seed=1)
-        *_, terminated, truncated, info = env.step(np.full(30, np.nan))
-        self.assertTrue(terminated and not truncated)
 
 
 if __name__ == "__main__":

@@ -97,6 +97,9 @@ class Ros2Clouds(unittest.TestCase):
         contacts = ros2.contacts_of_cloud(self.cloud(rows, names=names))
         np.testing.assert_allclose(contacts.point_sigma, [0.005, 0.001, 0.007], rtol=1e-6)
         np.testing.assert_allclose(contacts.normal_sigma, [0.2, 0.3, np.radians(10)], rtol=1e-6)
+        rows[1][3] = np.pi  # of which nothing is known
+        contacts = ros2.contacts_of_cloud(self.cloud(rows, names=names))
+        np.testing.assert_allclose(contacts.normal_sigma[1], np.pi / 2)
         for column, name in ((3, "normal_sigma"), (4, "point_sigma")):
             damaged = np.array(rows)
             damaged[1, column] = np.nan

@@ -151,6 +151,20 @@ class Localization(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, words):
                 palpate.localize(self.model, few, planes=wrong)
 
+    def test_what_is_known_of_another_object_is_refused(self):
+        found = palpate.localize(self.model, self.contacts)
+        prior = palpate.prior_from(found)
+        self.assertEqual(repr(prior), "PosePrior('box', 1 components)")
+        cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * 0.05
+        sides = [[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7], [0, 5, 1], [0, 4, 5],
+                 [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]  # fmt: skip
+        other = palpate.ObjectModel(palpate.make_known_object("cube", palpate.Mesh(cube, sides)))
+        with self.assertRaisesRegex(ValueError, "the prior is of 'box', not 'cube'"):
+            palpate.localize(other, self.contacts, prior=prior)
+        touch = palpate.TouchAction([0.2, 0, 0.05], [-1, 0, 0])
+        with self.assertRaisesRegex(ValueError, "the posterior is of 'box', not 'cube'"):
+            palpate.choose_touch(other, found, [touch])
+
     def test_no_pose_is_a_status(self):
         posterior = palpate.localize(self.model, palpate.Contacts(np.empty((0, 3))))
         self.assertEqual((posterior.status, posterior.best, posterior.modes), ("no_pose", None, []))
@@ -166,6 +180,9 @@ class Localization(unittest.TestCase):
                 velocity = np.tile([0.1, 0, 0], (len(now), 1))
                 posterior = tracker.update(0.01 * frame, now, velocity)
             self.assertLess(posterior.error(T)[1], 0.002)
+        before = posterior.best.T_frame_object
+        late = tracker.update(0.05, palpate.Contacts([[1, 1, 1]]), [[0, 0, 0]])  # out of order
+        np.testing.assert_array_equal(late.best.T_frame_object, before)
         with self.assertRaisesRegex(ValueError, "velocities"):
             tracker.update(1.0, now, velocity[:2])
 

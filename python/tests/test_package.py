@@ -2,7 +2,12 @@
 """The package as a user meets it: typed, frozen, in numpy's terms."""
 
 import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
 import threading
+import time
 import unittest
 
 import numpy as np
@@ -35,6 +40,18 @@ class Geometry(unittest.TestCase):
         self.assertAlmostEqual(sum(pose.probability for pose in box.stable_poses), 1)
         with self.assertRaisesRegex(ValueError, "nothing_like_it"):
             palpate.load_known_object("nothing_like_it")
+
+
+    def test_a_mesh_is_saved_as_what_its_name_says(self):
+        mesh = palpate.load_known_object("box").mesh
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("box.ply", "box.PLY", "box"):
+                mesh.save(f"{folder}/{name}")
+            saved = palpate.load_mesh(f"{folder}/box.ply").vertices
+            np.testing.assert_array_equal(saved, mesh.vertices)
+            with self.assertRaisesRegex(ValueError, "a mesh is saved as PLY, not as '.stl'"):
+                mesh.save(f"{folder}/box.stl")
+            self.assertFalse(pathlib.Path(folder, "box.stl").exists())
 
 
 class Contacts(unittest.TestCase):
@@ -118,6 +135,50 @@ class Results(unittest.TestCase):
         posterior = palpate.localize(model, palpate.Contacts(*box_points(18)))
         del model
         self.assertIn("<circle", posterior._repr_html_())
+
+    def test_a_program_ends_while_its_daemon_threads_search(self):
+        """CPython would end them by unwinding their stacks, at which C++ aborts."""
+        program = """
+import threading, time
+import palpate
+from box_contacts import box_points
+
+model = palpate.ObjectModel(palpate.load_known_object("box"))
+contacts = palpate.Contacts(*box_points(18))
+
+def search():
+    while True:
+        palpate.localize(model, contacts)
+
+for _ in range(3):
+    threading.Thread(target=search, daemon=True).start()
+time.sleep(0.3)
+"""
+        ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True,
+                               timeout=300, cwd=pathlib.Path(__file__).parent)  # fmt: skip
+        self.assertEqual((ended.returncode, ended.stderr), (0, ""))
+
+    @unittest.skipUnless(hasattr(signal, "setitimer"), "no timer here")
+    def test_ctrl_c_ends_a_choice_among_objects(self):
+        """After the object at hand: not all of these are searched, which would take long."""
+        model = palpate.ObjectModel(palpate.load_known_object("box"))
+        contacts = palpate.Contacts(*box_points(4))
+        start = time.monotonic()
+        palpate.identify([model], contacts)
+        one = time.monotonic() - start
+
+        def interrupt(number, frame):
+            raise KeyboardInterrupt
+
+        before = signal.signal(signal.SIGALRM, interrupt)
+        try:
+            signal.setitimer(signal.ITIMER_REAL, 0.1)
+            start = time.monotonic()
+            with self.assertRaises(KeyboardInterrupt):
+                palpate.identify([model] * 20, contacts)
+        finally:
+            signal.signal(signal.SIGALRM, before)
+        self.assertLess(time.monotonic() - start, 0.1 + 10 * one)
 
     def test_threads_run_at_the_same_time(self):
         """The GIL is free while the search runs: another thread gets on."""

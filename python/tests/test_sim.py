@@ -259,6 +259,9 @@ class PickInSimulation(unittest.TestCase):
         for wrong, words in ((way[:1], "two waypoints"), (way[:, :6], r"not \(N, 30\)")):
             with self.assertRaisesRegex(ValueError, words):
                 sim.plan(wrong, scene)
+        for call in (scene.deepest_collision, scene.palm_pose):
+            with self.assertRaisesRegex(ValueError, "waypoint: value 2 is nan, not finite"):
+                call([0, 0, np.nan] + [0] * 27)
         with self.assertRaisesRegex(ValueError, "no object"):
             sim.CollisionScene().place(T)
 
@@ -290,6 +293,8 @@ class PickInSimulation(unittest.TestCase):
             self.world().hand.description.with_perturbed_links(-1)
         with self.assertRaisesRegex(TypeError, "hand is 7, not a name"):
             sim.pick("box", 7)
+        with self.assertRaisesRegex(ValueError, "start needs a palpate.Hand of your own"):
+            sim.pick("box", start=sim.waiting_command(self.world().hand.description))
         with self.assertRaisesRegex(TypeError, "object is 7, not a name"):
             sim.World(7)
         with self.assertRaisesRegex(TypeError, "options are named by strings"):
