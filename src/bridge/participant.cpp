@@ -119,6 +119,12 @@ void RawReader::take(const Callback& callback) {
   }
 }
 
+int RawReader::senders() const {
+  dds_subscription_matched_status_t status{};
+  dds_get_subscription_matched_status(entity_, &status);
+  return static_cast<int>(status.current_count);
+}
+
 std::uint64_t RawReader::lost() const {
   dds_sample_lost_status_t status{};
   dds_get_sample_lost_status(entity_, &status);

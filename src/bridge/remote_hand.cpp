@@ -3,6 +3,7 @@
 #include <chrono>
 #include <deque>
 #include <optional>
+#include <set>
 
 #include "bridge/stream_readers.hpp"
 #include "bridge/wall_clock.hpp"
@@ -18,10 +19,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kMatchPoll = 0.02;     // s after which it is seen again who listens
+constexpr double kMatchPoll = 0.02;     // s after which it is seen again who is there
 constexpr double kElsewhere = 0.05;     // m of the mount from where it is said to stand
-constexpr double kBentOtherwise = 0.6;  // rad of an actuator
+constexpr double kBentOtherwise = 0.6;  // rad of an actuator, and of the mount's attitude
 constexpr double kSettle = 0.25;  // s between first commands, and in which first readings come in
+
+constexpr std::size_t kNamedJoints = 4;  // of those that nobody reports, at most
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -30,7 +33,10 @@ double seconds_since(Clock::time_point start) {
 bool is_elsewhere(const hand::Description& hand, const hand::HandReading& reading,
                   const hand::HandCommand& command) {
   const hand::ActuatorVector positions = hand::actuator_positions(hand, reading.joints);
+  const Eigen::Matrix3d turned =
+      command.base.pose().linear().transpose() * reading.base.pose().linear();
   return (reading.base.xyz - command.base.xyz).norm() > kElsewhere ||
+         Eigen::AngleAxisd(turned).angle() > kBentOtherwise ||
          (positions - command.positions).cwiseAbs().maxCoeff() > kBentOtherwise;
 }
 
@@ -53,7 +59,8 @@ struct RemoteHand::Impl {
   TopicWriter<ros2::PoseStamped> mount;
   std::deque<JointMessage> waiting;  // joint states, the other parts of which may be on their way
   std::optional<hand::HandReading> last;
-  std::uint64_t stamp = wall_clock();  // of commands: later than those of any before
+  std::set<std::string> reported;  // joints of the hand, whatever else their messages lack
+  std::uint64_t stamp = 0;         // of the last command
   std::uint64_t received = 0, repeats = 0;
   bool silent = false;  // the last step has waited in vain
 
@@ -95,11 +102,44 @@ struct RemoteHand::Impl {
     return trajectory;
   }
 
-  /// The reading of a hand that does not stand where it is to be commanded: the first command would
-  /// make it jump, and is kept back. Nothing of one that reports only when it is commanded.
-  std::optional<hand::HandReading> elsewhere(const hand::HandCommand& command) {
-    auto reading = await(std::min(kSettle, options.connect));
-    return reading && is_elsewhere(hand, *reading, command) ? reading : std::nullopt;
+  /// By the clock, as controllers refuse what is of the past; and later than all before.
+  void stamp_next() { stamp = std::max(stamp + 1, wall_clock()); }
+
+  /// Where the hand stands, if it says so unasked; nothing of one that reports only when it is
+  /// commanded. Nobody is commanded whose readings cannot be heard, or are not whole.
+  std::optional<hand::HandReading> standing() {
+    const auto start = Clock::now();
+    auto quiet = start;
+    while (seconds_since(start) < options.connect) {
+      const std::uint64_t before = received;
+      if (auto reading = await(kMatchPoll)) return reading;
+      if (received > before || readers.back().senders() == 0) quiet = Clock::now();
+      if (seconds_since(quiet) >= kSettle) return std::nullopt;
+    }
+    throw no_hand();
+  }
+
+  BadInput no_hand() const {
+    const std::string refused = refused_topics(readers);
+    return BadInput(fmt::format(
+        "no hand within {} s: {} messages came, {} joint states without all joints or the place "
+        "of the mount, {} malformed {}{}{}",
+        options.connect, received, stream.counts().incomplete, stream.counts().malformed,
+        stream.counts().last_error, unreported(),
+        refused.empty() ? "" : "; senders that are best effort: " + refused));
+  }
+
+  /// Joints of the hand that no message holds, in words: as of other names.
+  std::string unreported() const {
+    std::string names;
+    std::size_t count = 0;
+    for (const auto& joint : hand.joints) {
+      if (reported.contains(joint.name) || ++count > kNamedJoints) continue;
+      names += (names.empty() ? "" : ", ") + joint.name;
+    }
+    if (count == 0) return {};
+    const std::string more = count > kNamedJoints ? ", ..." : "";
+    return fmt::format("; nobody reports {} joints: {}{}", count, names, more);
   }
 
   /// Positions have no stamp, by which a command that comes twice were known: they are sent when
@@ -139,9 +179,16 @@ struct RemoteHand::Impl {
   void hold_back(std::string_view cdr, std::uint64_t now) {
     try {
       const auto state = ros2::deserialize<ros2::JointState>(cdr);
+      if (!last) note_names(state.name);
       waiting.push_back({std::string(cdr), ros2::nanoseconds_of(state.header.stamp), now});
     } catch (const BadInput&) {
       stream.take(interface.joint_states, ros2::JointState::kType, cdr, now);  // counts it
+    }
+  }
+
+  void note_names(const std::vector<std::string>& names) {
+    for (const auto& joint : hand.joints) {
+      if (std::ranges::find(names, joint.name) != names.end()) reported.insert(joint.name);
     }
   }
 
@@ -163,7 +210,8 @@ struct RemoteHand::Impl {
     const auto start = Clock::now();
     std::optional<Clock::time_point> incomplete;
     while (seconds_since(start) < timeout || incomplete) {
-      participant.wait(incomplete ? options.patience : timeout);
+      participant.wait(incomplete ? options.patience
+                                  : std::max(0.0, timeout - seconds_since(start)));
       receive();
       const bool patient = !incomplete || seconds_since(*incomplete) < options.patience;
       if (auto reading = latest(patient)) return reading;
@@ -202,15 +250,18 @@ RemoteHand::~RemoteHand() = default;
 
 hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
   Impl& impl = *impl_;
-  impl.stamp += static_cast<std::uint64_t>(1e9 * hand::kTick);
   const auto start = Clock::now();
   if (impl.last) {
+    impl.stamp_next();
     impl.send(command);
-  } else if (auto standing = impl.elsewhere(command)) {
-    impl.last = std::move(*standing);
-    impl.last->base = hand::nearest_base(impl.last->base.pose(), command.base);
-    return *impl.last;
   } else {
+    auto standing = impl.standing();
+    if (standing && is_elsewhere(impl.hand, *standing, command)) {  // it would jump
+      impl.last = std::move(*standing);
+      impl.last->base = hand::nearest_base(impl.last->base.pose(), command.base);
+      return *impl.last;
+    }
+    impl.stamp_next();
     impl.send_first(command);
   }
   auto reading = impl.await(impl.patience_of_step());
@@ -218,15 +269,7 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
     impl.send_again(command);  // what was sent before the peers found each other is lost
     reading = impl.await(kSettle);
   }
-  if (!reading && !impl.last) {
-    const std::string refused = refused_topics(impl.readers);
-    throw BadInput(
-        fmt::format("no hand within {} s: {} messages came, {} joint states without the "
-                    "place of the mount, {} malformed {}{}",
-                    impl.options.connect, impl.received, impl.stream.counts().incomplete,
-                    impl.stream.counts().malformed, impl.stream.counts().last_error,
-                    refused.empty() ? "" : "; senders that are best effort: " + refused));
-  }
+  if (!reading && !impl.last) throw impl.no_hand();
   impl.silent = !reading;
   if (!reading) {
     ++impl.repeats;

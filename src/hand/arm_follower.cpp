@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "palpate/core/error.hpp"
 
@@ -132,7 +133,13 @@ std::size_t ArmFollower::followed(ArmVector joints, std::span<const BasePosition
   return count;
 }
 
+void ArmFollower::require_reset() const {
+  if (joints_.size() > 0 && joints_.size() == arm_.joint_count()) return;
+  throw std::logic_error("an ArmFollower's reset() has to be called first");
+}
+
 const ArmVector& ArmFollower::follow(const Eigen::Isometry3d& T_world_mount) {
+  require_reset();
   ArmVector wanted = wanted_;
   if (const auto found = inverse_kinematics(arm_, T_world_mount, joints_)) wanted = *found;
   for (Eigen::Index i = 0; i < joints_.size(); ++i) {
@@ -146,6 +153,7 @@ const ArmVector& ArmFollower::follow(const Eigen::Isometry3d& T_world_mount) {
 }
 
 PathFeasibility ArmFollower::check_path(std::span<const BasePosition> way) const {
+  require_reset();
   PathFeasibility result;
   ArmVector joints = wanted_;
   Stretch stretch(arm_);

@@ -7,6 +7,8 @@
 #include <chrono>
 #include <utility>
 
+#include "palpate/core/error.hpp"
+
 namespace palpate::hand {
 namespace {
 
@@ -24,6 +26,10 @@ AssembledHand::AssembledHand(Hand& fingers, Arm* arm, std::vector<MountedSensor>
       arm_part_{arm ? fmt::format("the arm '{}'", arm->name()) : std::string()},
       tip_contacts_(sensors_.size()) {
   for (const MountedSensor& mounted : sensors_) {
+    if (mounted.sensor == nullptr || mounted.finger < 0) {
+      throw BadInput(fmt::format("the sensor '{}' {}", mounted.name,
+                                 mounted.sensor ? "is on no finger" : "is missing"));
+    }
     sensor_parts_.push_back({fmt::format("the sensor '{}'", mounted.name)});
   }
 }
@@ -64,9 +70,15 @@ void AssembledHand::ask(const Part& part, const Call& call) {
   } catch (const LateAnswer&) {
     if (!failure_) failure_ = std::current_exception();
   } catch (const std::exception& error) {
-    const auto named = std::runtime_error(fmt::format("{}: {}", part.name, error.what()));
-    if (!failure_) failure_ = std::make_exception_ptr(named);
+    note_failure(part, error.what());
+  } catch (...) {
+    note_failure(part, "an unknown exception");
   }
+}
+
+void AssembledHand::note_failure(const Part& part, std::string_view what) const {
+  const auto named = std::runtime_error(fmt::format("{}: {}", part.name, what));
+  if (!failure_) failure_ = std::make_exception_ptr(named);
 }
 
 void AssembledHand::read_arm() {
@@ -109,7 +121,11 @@ void AssembledHand::assemble(HandReading&& reading) {
   std::vector<bool> begun(reading.contacts.size());
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     const auto finger = static_cast<std::size_t>(sensors_[i].finger);
-    if (finger >= begun.size()) continue;  // a reading of another size: the executor refuses it
+    if (finger >= begun.size()) {
+      note_failure(sensor_parts_[i],
+                   fmt::format("on finger {} of {}", sensors_[i].finger, begun.size()));
+      continue;
+    }
     auto& contacts = reading.contacts[finger];
     if (!begun[finger]) contacts.clear();
     contacts.insert(contacts.end(), tip_contacts_[i].begin(), tip_contacts_[i].end());
@@ -128,8 +144,9 @@ PathFeasibility AssembledHand::check_path(std::span<const BasePosition> way) con
   try {
     return arm_->check_path(way);
   } catch (const std::exception& error) {
-    const auto named = std::runtime_error(fmt::format("{}: {}", arm_part_.name, error.what()));
-    if (!failure_) failure_ = std::make_exception_ptr(named);
+    note_failure(arm_part_, error.what());
+  } catch (...) {
+    note_failure(arm_part_, "an unknown exception");
   }
   return {};
 }

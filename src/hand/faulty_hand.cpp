@@ -36,6 +36,12 @@ bool is_of_load(InjectedFault fault) {
          fault == InjectedFault::load_frozen;
 }
 
+bool is_of_finger(InjectedFault fault) {
+  return fault == InjectedFault::finger_silent || fault == InjectedFault::finger_stuck ||
+         fault == InjectedFault::finger_nan || fault == InjectedFault::finger_saturated ||
+         fault == InjectedFault::fingers_swapped || fault == InjectedFault::taxel_dead;
+}
+
 }  // namespace
 
 std::string_view to_string(InjectedFault fault) {
@@ -67,13 +73,26 @@ HandReading FaultyHand::step(const HandCommand& command) {
     before_ = reading;
     return reading;
   }
-  if (!began_) set_in(reading.time);
+  if (!began_) set_in(reading);
   ended_ = ended_ || reading.time >= *began_ + schedule_.length;
   return ended_ ? reading : falsified(reading);
 }
 
-void FaultyHand::set_in(double time) {
-  began_ = time;
+void FaultyHand::set_in(const HandReading& reading) {
+  const auto require = [](std::string_view what, int index, Eigen::Index count) {
+    if (index >= 0 && index < count) return;
+    throw BadInput(fmt::format("a fault of {} {} of a hand that has {}", what, index, count));
+  };
+  if (is_of_finger(schedule_.fault)) {
+    require("finger", schedule_.finger, std::ssize(reading.contacts));
+  }
+  if (schedule_.fault == InjectedFault::joint_nan) {
+    require("joint", schedule_.joint, reading.joints.size());
+  }
+  if (schedule_.fault == InjectedFault::joint_stuck) {
+    require("actuator", schedule_.actuator, reading.torques.size());
+  }
+  began_ = reading.time;
   if (on_onset_) on_onset_();
 }
 
@@ -120,7 +139,6 @@ void FaultyHand::spoil_load(HandReading& reading) const {
 
 void FaultyHand::spoil_contacts(HandReading& reading) {
   auto& contacts = reading.contacts;
-  const auto finger = static_cast<std::size_t>(schedule_.finger);
   switch (schedule_.fault) {
     case InjectedFault::contacts_nan:
       for (auto& tip : contacts) tip.assign(1, contact_of(kNan));
@@ -128,16 +146,20 @@ void FaultyHand::spoil_contacts(HandReading& reading) {
     case InjectedFault::contacts_none:
       for (auto& tip : contacts) tip.clear();
       break;
-    case InjectedFault::fingers_swapped:
+    case InjectedFault::fingers_swapped: {
+      const auto finger = static_cast<std::size_t>(schedule_.finger);
       std::swap(contacts[finger], contacts[(finger + 1) % contacts.size()]);
       break;
+    }
     case InjectedFault::false_contacts:
       for (auto& tip : contacts) {
         if (random_.uniform() < kFalseShare) tip.push_back(contact_of(1));
       }
       break;
     default:
-      spoil_finger(contacts[finger]);
+      if (is_of_finger(schedule_.fault)) {
+        spoil_finger(contacts[static_cast<std::size_t>(schedule_.finger)]);
+      }
   }
 }
 

@@ -92,6 +92,9 @@ Executor::Executor(hand::Hand& hand, const hand::Description& model, const hand:
     tick();
   } catch (const SafetyStop&) {  // every motion will say so
     if (log_.readings.empty()) log_.readings.push_back(at_rest(model, start));
+  } catch (...) {  // of who looks on: there will be no destructor
+    make_safe(Fault::exception, "an exception ended the robot's first step");
+    throw;
   }
 }
 

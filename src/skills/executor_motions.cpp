@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/core/error.hpp"
 #include "palpate/skills/executor.hpp"
 #include "skills/command_gate.hpp"
 #include "skills/stretched_way.hpp"
@@ -66,11 +67,21 @@ Value Executor::ask_hand(const std::function<Value()>& ask) const {
 /// Of a way in the world whose z = 0 is the table.
 hand::PathFeasibility Executor::check_path(std::vector<hand::BasePosition> way) const {
   for (hand::BasePosition& base : way) base.xyz.z() += table_height_;
-  return ask_hand<hand::PathFeasibility>([&] { return hand_.check_path(way); });
+  return ask_hand<hand::PathFeasibility>([&] {
+    hand::PathFeasibility checked = hand_.check_path(way);
+    const double seconds = checked.stretch * hand::kTick * static_cast<double>(way.size());
+    if (seconds <= safety_.options.max_log) return checked;
+    throw BadInput(fmt::format("check_path: the path takes {} times as long", checked.stretch));
+  });
 }
 
 hand::MountLimits Executor::mount_limits() const {
-  return ask_hand<hand::MountLimits>([&] { return hand_.mount_limits(); });
+  return ask_hand<hand::MountLimits>([&] {
+    const hand::MountLimits limits = hand_.mount_limits();
+    if (limits.acceleration > 0 && limits.turn_acceleration > 0) return limits;
+    throw BadInput(fmt::format("mount_limits: accelerations of {} m/s^2 and {} rad/s^2",
+                               limits.acceleration, limits.turn_acceleration));
+  });
 }
 
 /// @throws SafetyStop for a motion that would never end

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/bridge/hand_peer.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "bridge/bridge_fixture.hpp"
 #include "bridge/hand_commands.hpp"
 #include "bridge/stream_readers.hpp"
+#include "bridge/wall_clock.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/ros2/cdr.hpp"
 #include "palpate/ros2/robot_messages.hpp"
@@ -150,8 +156,6 @@ TEST_F(HandPeer, AHandThatStandsElsewhereIsNotCommanded) {
   HandServer server(there_, hand, hand_, {}, {}, {.real_time = true});
   std::jthread thread([&](const std::stop_token& stop) { server.run(command(400), stop); });
   RemoteHand remote(here_, hand_, {}, {}, {.timeout = 20, .patience = 0.5, .connect = 60});
-  // The peers need not have found each other within the time that the first step waits.
-  std::this_thread::sleep_for(std::chrono::seconds(2));
   auto far = command(400);
   far.base.xyz.x() = 0;
   far.positions.setZero();  // as its joints stand
@@ -159,6 +163,96 @@ TEST_F(HandPeer, AHandThatStandsElsewhereIsNotCommanded) {
   thread.request_stop();
   thread.join();
   for (const auto& commanded : hand.commands_) EXPECT_EQ(commanded.base.xyz.x(), 0.4);
+}
+
+/// The same place, another attitude.
+TEST_F(HandPeer, AHandThatIsTurnedIsNotCommanded) {
+  auto turned = command(0);
+  turned.base.ypr = {0, 0, 2};
+  ObedientHand hand(hand_);
+  HandServer server(there_, hand, hand_, {}, {}, {.real_time = true});
+  std::jthread thread([&](const std::stop_token& stop) { server.run(turned, stop); });
+  RemoteHand remote(here_, hand_, {}, {}, {.timeout = 20, .patience = 0.5, .connect = 60});
+  EXPECT_NEAR(remote.step(command(0)).base.ypr[2], 2, 1e-9);
+  thread.request_stop();
+  thread.join();
+  for (const auto& commanded : hand.commands_) EXPECT_EQ(commanded.base.ypr[2], 2);
+}
+
+/// A robot that is not commanded, whose messages are not those of the hand.
+struct Stranger {
+  std::uint64_t commands = 0;
+  std::jthread thread;
+  Stranger(Participant& at, const hand::Description& hand, const std::string& prefix,
+           const std::function<void(ros2::ReadingMessages&)>& spoil)
+      : thread([this, &at, &hand, prefix, spoil](const std::stop_token& stop) {
+          const ros2::RobotInterface interface;
+          RawReader targets(at, CommandTopics{}.mount, ros2::PoseStamped::kType, {});
+          TopicWriter<ros2::JointState> joints(at, interface.joint_states, sensor_qos());
+          TopicWriter<ros2::TFMessage> tf(at, interface.tf, sensor_qos());
+          auto reading = hand::resting_reading(hand);
+          while (!stop.stop_requested()) {
+            reading.time += hand::kTick;
+            const auto stamp = 1'000'000'000 + ros2::nanoseconds_of(reading.time);
+            auto messages = ros2::messages_of(reading, hand, interface, stamp);
+            for (std::string& name : messages.joints.name) name.insert(0, prefix);
+            spoil(messages);
+            tf.write(messages.tf);
+            joints.write(messages.joints);
+            at.wait(hand::kTick);
+            targets.take([&](std::string_view, std::uint64_t) { ++commands; });
+          }
+        }) {}
+  std::uint64_t commanded() {
+    thread.request_stop();
+    thread.join();
+    return commands;
+  }
+};
+
+/// Its arm may well hear the commands.
+TEST_F(HandPeer, AHandOfOtherNamesIsNotCommandedAndNamed) {
+  Stranger stranger(there_, hand_, "left_", [](ros2::ReadingMessages&) {});
+  RemoteHand remote(here_, hand_, {}, {}, {.timeout = 0.05, .patience = 0.01, .connect = 5});
+  std::string error;
+  try {
+    remote.step(command(0));
+  } catch (const BadInput& thrown) {
+    error = thrown.what();
+  }
+  const std::string first = hand_.joints.front().name;
+  EXPECT_NE(error.find(fmt::format("nobody reports {} joints: {}", hand_.joints.size(), first)),
+            std::string::npos)
+      << error;
+  EXPECT_EQ(stranger.commanded(), 0U);
+}
+
+TEST_F(HandPeer, AHandWhoseMountIsNotKnownIsNotCommanded) {
+  Stranger stranger(there_, hand_, "",
+                    [](ros2::ReadingMessages& messages) { messages.tf.transforms.clear(); });
+  RemoteHand remote(here_, hand_, {}, {}, {.timeout = 0.05, .patience = 0.01, .connect = 5});
+  EXPECT_THROW(remote.step(command(0)), BadInput);
+  EXPECT_EQ(stranger.commanded(), 0U);
+}
+
+/// Controllers of trajectories refuse those that end in the past.
+TEST_F(HandPeer, CommandsAreStampedByTheClock) {
+  Served served(there_, hand_, command(0));
+  RawReader commands(there_, CommandTopics{}.joints, ros2::JointTrajectory::kType, {});
+  RemoteHand remote(here_, hand_, {}, {}, {.timeout = 20, .patience = 20, .connect = 60});
+  remote.step(command(1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // a skill thinks
+  const std::uint64_t before = wall_clock();
+  remote.step(command(2));
+  std::uint64_t last = 0;
+  for (int i = 0; i < 100 && last < before; ++i) {
+    commands.take([&](std::string_view cdr, std::uint64_t) {
+      const auto trajectory = ros2::deserialize<ros2::JointTrajectory>(cdr);
+      last = std::max(last, ros2::nanoseconds_of(trajectory.header.stamp));
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  EXPECT_GE(last, before);
 }
 
 TEST_F(HandPeer, WithoutAHandTheFirstStepSaysSo) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hand/fake_hand.hpp"
+#include "palpate/core/error.hpp"
 
 namespace palpate::hand {
 namespace {
@@ -162,6 +163,27 @@ TEST(AssembledHand, AnExceptionNamesItsPartAndTheOthersGoOn) {
   EXPECT_EQ(failure_of(hand, command_at(0.2)), "");  // the robot is being stopped
   EXPECT_EQ(parts.steps, 2);
   EXPECT_EQ(parts.arm.target.xyz.z(), 0.2);
+}
+
+TEST(AssembledHand, WhateverIsThrownNamesItsPart) {
+  Parts parts;
+  parts.arm.on_read = [] { throw 7; };
+  AssembledHand hand(parts.fingers, &parts.arm, {});
+  EXPECT_EQ(failure_of(hand, command_at(0.1)), "the arm 'lift': an unknown exception");
+  Parts others;
+  others.arm.judge = [] { throw 7; };
+  AssembledHand judged(others.fingers, &others.arm, {});
+  judged.step(command_at(0));
+  EXPECT_TRUE(judged.check_path({}).obstacle.empty());
+  EXPECT_EQ(failure_of(judged, command_at(0)), "the arm 'lift': an unknown exception");
+}
+
+TEST(AssembledHand, ASensorOfNoFingerIsRefused) {
+  Parts parts;
+  EXPECT_THROW(AssembledHand(parts.fingers, nullptr, {{&parts.pad, -1, "pad"}}), BadInput);
+  EXPECT_THROW(AssembledHand(parts.fingers, nullptr, {{nullptr, 0, "pad"}}), BadInput);
+  AssembledHand hand(parts.fingers, nullptr, {{&parts.pad, 5, "pad"}});
+  EXPECT_EQ(failure_of(hand, command_at(0)), "the sensor 'pad': on finger 5 of 5");
 }
 
 TEST(AssembledHand, APartThatTakesTooLongIsNamed) {

@@ -59,6 +59,44 @@ TEST(Motion, AGuardedSpeedOfZeroIsAFault) {
   EXPECT_EQ(robot.fault().fault, Fault::invalid_command);
 }
 
+/// Its driver computes what it answers, wrongly.
+struct ConfusedHand : RecordingHand {
+  hand::PathFeasibility check_path(std::span<const hand::BasePosition>) const override {
+    hand::PathFeasibility feasible;
+    feasible.stretch = stretch;
+    return feasible;
+  }
+  hand::MountLimits mount_limits() const override { return {.acceleration = acceleration}; }
+  double stretch = 1, acceleration = 3;
+};
+
+TEST(Motion, AnswersOfTheHandThatAreNoneAreFaults) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto fault_with = [](double stretch, double acceleration) {
+    ConfusedHand hand;
+    hand.stretch = stretch;
+    hand.acceleration = acceleration;
+    Executor robot(hand, hand::with_soft_actuators(), hand::resting_command());
+    hand::BasePosition target;
+    target.xyz.z() = 0.2;
+    try {
+      EXPECT_EQ(robot.move_base(target, 0.1), MotionEnd::reached);
+      EXPECT_EQ(hand.commands.back().base.xyz.z(), 0.2);
+    } catch (const SafetyStop&) {
+      EXPECT_EQ(hand.commands.back().base.xyz.z(), 0);
+    }
+    return robot.fault().fault;
+  };
+  EXPECT_EQ(fault_with(1.5, 3), Fault::none);
+  for (const double stretch : {kNan, kInfinity, 1e9}) {
+    EXPECT_EQ(fault_with(stretch, 3), Fault::exception) << stretch;
+  }
+  for (const double acceleration : {kNan, 0.0, -1.0}) {
+    EXPECT_EQ(fault_with(1, acceleration), Fault::exception) << acceleration;
+  }
+}
+
 /// Cannot judge ways, or does not know its limits.
 struct JudgingHand : RecordingHand {
   explicit JudgingHand(bool of_ways) : RecordingHand({}, soft_shadow()), ways(of_ways) {}

@@ -87,6 +87,19 @@ TEST(SafeState, WhoLooksOnCannotKeepTheHandFromGivingWay) {
   EXPECT_NEAR(robot.command().base.xyz.x(), 0, 1e-9);
 }
 
+/// No executor is made then, whose destructor could stop them.
+TEST(SafeState, DrivesAreStoppedIfWhoLooksOnThrowsAtTheFirstReading) {
+  hand::FakeHand fake;
+  int stops = 0;
+  Safety safety;
+  safety.stop_drives = [&] { ++stops; };
+  Executor::Observer observer;
+  observer.on_tick = [](const auto&, const auto&) { throw std::runtime_error("the disk is full"); };
+  EXPECT_THROW(Executor(fake, kSoftHand, hand::resting_command(), observer, nullptr, safety),
+               std::runtime_error);
+  EXPECT_EQ(stops, 1);
+}
+
 /// A hand whose 20th step hangs until its drives are stopped, and which keeps its commands.
 struct StallingHand : hand::FakeHand {
   using FakeHand::FakeHand;

@@ -22,7 +22,7 @@ struct CommandTopics {
 struct RemoteHandOptions {
   double timeout = 0.25;   ///< s that a step waits for a reading newer than the last
   double patience = 0.01;  ///< s that it waits for the other parts of a reading with its joints
-  double connect = 10;     ///< s that the first step waits
+  double connect = 10;     ///< s that the first step waits for the hand
   bool positions = false;  ///< commands joints by the topic `positions`, else `joints`
 };
 
@@ -31,12 +31,14 @@ struct RemoteHandOptions {
 /// step() answers a reading newer than the last or, after `timeout`, the last one again with its
 /// old time, which the executor's gate counts as late. Until a reading comes the steps after that
 /// wait for a tick each, so that a hand that falls silent is stopped within the gate's limit of
-/// ticks. The command is repeated then: one that was
-/// lost is made good, one that arrived is known by its stamp. Positions have none, and are not
-/// repeated once a reading has come.
+/// ticks. The command is repeated then: one that was lost is made good, one that arrived is known
+/// by its stamp, the wall clock's. Positions have none, and are not repeated once a reading has
+/// come.
 ///
-/// The first step waits 0.25 s for a reading before it sends its command. One of a hand that stands
-/// elsewhere (0.05 m, 0.6 rad) is its answer, and nothing is sent.
+/// The first step commands nothing before somebody sends joint states, nor as long as messages come
+/// of which no reading can be made. A reading of a hand that stands elsewhere (0.05 m, 0.6 rad) is
+/// its answer then, and nothing is sent. A hand that reports nothing for 0.25 s is taken for one
+/// that reports only when it is commanded.
 class RemoteHand : public hand::Hand {
  public:
   /// Keeps references to participant and description.

@@ -73,6 +73,7 @@ class RawReader {
 
   /// Gives what has come since, oldest first.
   void take(const Callback& callback);
+  int senders() const;            ///< that are connected
   std::uint64_t lost() const;     ///< messages that came too fast, or never
   std::uint64_t refused() const;  ///< senders whose QoS offers less than this reader asks for
   const std::string& topic() const { return topic_; }

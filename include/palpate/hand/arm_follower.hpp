@@ -16,22 +16,26 @@ class ArmFollower {
   explicit ArmFollower(ArmDescription arm) : arm_(std::move(arm)) {}
 
   [[nodiscard]] const ArmDescription& arm() const { return arm_; }
-  /// The joints as last commanded.
+  /// The joints as last commanded; none before reset().
   [[nodiscard]] const ArmVector& joints() const { return joints_; }
 
   /// Starts at a pose of the mount, in the branch of the inverse kinematics from which most of the
-  /// tour can be followed.
+  /// tour can be followed. It need not be the branch in which the arm stands: bring it to these
+  /// joints, slowly, before the first follow().
   /// @throws BadInput if the arm cannot hold the mount there
   const ArmVector& reset(const Eigen::Isometry3d& T_world_mount,
                          std::span<const BasePosition> tour = {});
 
   /// The joints for the next tick. Where the arm cannot follow, it comes as near as it can.
+  /// @throws std::logic_error before reset()
   const ArmVector& follow(const Eigen::Isometry3d& T_world_mount);
 
   /// Whether the arm can follow a way that starts where it is commanded to be, one position a tick.
+  /// @throws std::logic_error before reset()
   [[nodiscard]] PathFeasibility check_path(std::span<const BasePosition> way) const;
 
  private:
+  void require_reset() const;
   [[nodiscard]] std::size_t followed(ArmVector joints, std::span<const BasePosition> tour) const;
 
   ArmDescription arm_;

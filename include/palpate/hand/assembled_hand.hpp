@@ -7,6 +7,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "palpate/hand/hand.hpp"
@@ -77,11 +78,12 @@ struct AnswerLimits {
 class AssembledHand : public Hand {
  public:
   /// @param fingers, arm, sensors  must outlive this; no arm: the base is the fingers' own
+  /// @throws BadInput for a sensor that is missing, or on no finger
   AssembledHand(Hand& fingers, Arm* arm, std::vector<MountedSensor> sensors,
                 const AnswerLimits& limits = {});
 
   /// All parts are asked even if one fails. Only the first failure is thrown: what remains of the
-  /// hand can be eased after it.
+  /// hand can be eased after it. A new executor needs a new AssembledHand.
   /// @throws LateAnswer, or std::runtime_error for whatever a part throws; both name the part
   HandReading step(const HandCommand& command) override;
 
@@ -100,6 +102,7 @@ class AssembledHand : public Hand {
   template <class Call>
   void ask(const Part& part, const Call& call);
   void note_newer(Part& part, bool newer);
+  void note_failure(const Part& part, std::string_view what) const;
   void step_parts(const HandCommand& command);
   void read_arm();
   void read_sensor(std::size_t index);

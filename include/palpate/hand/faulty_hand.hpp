@@ -75,6 +75,7 @@ class FaultyHand : public Hand {
   /// @param on_onset  called when the fault sets in: faults of what is around the hand are not its
   FaultyHand(Hand& hand, const FaultSchedule& schedule, std::function<void()> on_onset = {});
 
+  /// @throws BadInput when a fault sets in of a finger, joint or actuator that the hand has not
   HandReading step(const HandCommand& command) override;
   [[nodiscard]] PathFeasibility check_path(std::span<const BasePosition> way) const override {
     return hand_.check_path(way);
@@ -98,7 +99,7 @@ class FaultyHand : public Hand {
   void spoil_finger(std::vector<TipContact>& contacts);
   HandReading spoil_link(const HandReading& reading);
 
-  void set_in(double time);
+  void set_in(const HandReading& reading);
 
   Hand& hand_;
   FaultSchedule schedule_;

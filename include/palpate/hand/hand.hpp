@@ -44,9 +44,9 @@ BasePosition between(const BasePosition& a, const BasePosition& b, double share)
 
 /// What the hand senses in one tick.
 struct HandReading {
-  double time = 0;         ///< s
+  double time = 0;         ///< s, when this was measured
   JointVector joints;      ///< rad
-  ActuatorVector torques;  ///< N m, of the actuators
+  ActuatorVector torques;  ///< N m, of the actuators, towards larger positions
   BasePosition base;       ///< measured
   /// Force (N, world axes) of what carries the hand on the hand, less what holds the empty hand at
   /// rest: up (z > 0) when something hangs in the hand, down when the hand presses on the table.
@@ -77,12 +77,14 @@ struct MountLimits {
 };
 
 /// A hand with tactile fingertips on a 6-DoF base, simulated or real. What carries the base is the
-/// hand's own matter: a floating mount, or an arm (hand::ArmFollower).
+/// hand's own matter: a floating mount, or an arm (hand::ArmFollower). All calls are of one thread;
+/// what they throw stops the robot.
 class Hand {
  public:
   virtual ~Hand() = default;
 
-  /// Applies the command for one tick of kTick and returns what was sensed at its end.
+  /// Applies the command for one tick of kTick and returns what was sensed at its end. The first
+  /// command is of where the hand is said to stand; where it stands elsewhere, it must not jump.
   virtual HandReading step(const HandCommand& command) = 0;
 
   /// Whether the mount can be moved from where it is commanded to be along this path, one position

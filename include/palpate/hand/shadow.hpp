@@ -33,20 +33,19 @@ const Description& shadow_hand();
 /// Joints of the human hand that move together, named as in thesis table A.3, and their range.
 struct HumanRange {
   std::string_view joints;
-  std::string_view latin_name;
   Range range;
 };
 
 /// Range of motion of the human hand (thesis table A.2).
 inline constexpr std::array<HumanRange, 8> kHumanRanges = {{
-    {"TH1", "interphalangeal", {-0.262, 1.396}},
-    {"TH2+TH3", "metacarpophalangeal", {-0.175, 0.960}},
-    {"TH4+TH5", "carpometacarpal", {-0.175, 0.960}},
-    {"FF1 MF1 RF1 LF1", "distal interphalangeal", {0.0, 1.396}},
-    {"FF2 MF2 RF2 LF2", "proximal interphalangeal", {0.0, 1.745}},
-    {"FF3 MF3 RF3 LF3", "metacarpophalangeal", {-0.785, 1.571}},
-    {"WR1", "radiocarpal", {-1.396, 1.396}},
-    {"WR2", "radiocarpal", {-0.489, 0.349}},
+    {"TH1", {-0.262, 1.396}},
+    {"TH2+TH3", {-0.175, 0.960}},
+    {"TH4+TH5", {-0.175, 0.960}},
+    {"FF1 MF1 RF1 LF1", {0.0, 1.396}},
+    {"FF2 MF2 RF2 LF2", {0.0, 1.745}},
+    {"FF3 MF3 RF3 LF3", {-0.785, 1.571}},
+    {"WR1", {-1.396, 1.396}},
+    {"WR2", {-0.489, 0.349}},
 }};
 
 }  // namespace palpate::hand
