@@ -10,6 +10,11 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
 std::vector<std::string_view> csv_cells(std::string_view line) {
   std::vector<std::string_view> cells;
   for (std::size_t comma = 0; comma != std::string_view::npos;) {

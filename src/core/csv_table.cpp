@@ -15,8 +15,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-constexpr std::size_t kShown = 60;  // characters of a header in a message
+constexpr std::size_t kShown = 60;  // characters of a header or a cell in a message
 
 bool equal_but_for_case(std::string_view a, std::string_view b) {
   return std::ranges::equal(
@@ -26,8 +25,7 @@ bool equal_but_for_case(std::string_view a, std::string_view b) {
 }  // namespace
 
 CsvTable::CsvTable(std::string_view text, std::string source)
-    : text_(text), source_(std::move(source)) {
-  if (text_.starts_with(kByteOrderMark)) text_.remove_prefix(kByteOrderMark.size());
+    : text_(without_byte_order_mark(text)), source_(std::move(source)) {
   if (!take_line()) throw BadInput(fmt::format("{} is empty: expected a CSV header", source_));
   names_ = cells_;
 }
@@ -112,8 +110,8 @@ double CsvTable::number(std::size_t column) const {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc() && end == text.data() + text.size()) return value;
-  throw BadInput(
-      fmt::format("{}: '{}' in column {} is not a number", where(), text, names_[column]));
+  throw BadInput(fmt::format("{}: '{}' in column {} is not a number", where(),
+                             text.substr(0, kShown), names_[column]));
 }
 
 double CsvTable::finite(std::size_t column) const {
@@ -122,8 +120,8 @@ double CsvTable::finite(std::size_t column) const {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool complete = error == std::errc() && end == text.data() + text.size();
   if (complete && std::isfinite(value)) return value;
-  throw BadInput(
-      fmt::format("{}: '{}' in column {} is not a finite number", where(), text, names_[column]));
+  throw BadInput(fmt::format("{}: '{}' in column {} is not a finite number", where(),
+                             text.substr(0, kShown), names_[column]));
 }
 
 Eigen::Vector3d CsvTable::finite(const Columns& columns) const {

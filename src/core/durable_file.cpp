@@ -34,6 +34,15 @@ int flags_of(DurableFile::Mode mode) {
       fmt::format("cannot write {}: {}", path.string(), std::generic_category().message(reason)));
 }
 
+/// @throws BadInput for a device or a pipe, whose place a file must not take
+void require_replaceable(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  // What is wrong with a folder the system says itself.
+  if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status)) return;
+  throw BadInput(fmt::format("cannot write {}: it is no file", path.string()));
+}
+
 /// Makes the names in a folder durable, where its file system can (else EINVAL).
 void sync_folder(const fs::path& folder) {
   const fs::path path = folder.empty() ? fs::path(".") : folder;
@@ -81,6 +90,7 @@ void DurableFile::close() {
 }
 
 void publish_file(const fs::path& partial, const fs::path& path) {
+  require_replaceable(path);
   DurableFile file(partial, DurableFile::Mode::modify);
   file.sync();
   file.close();

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <fstream>
 #include <system_error>
 #include <vector>
@@ -28,16 +29,35 @@ void make_parents(const fs::path& path) {
   }
 }
 
+/// What a link leads to, so that the link stays; the path where it is none or leads nowhere.
+fs::path behind_link(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_symlink(path, error)) return path;
+  const fs::path target = fs::canonical(path, error);
+  return error ? path : target;
+}
+
+/// @throws BadInput unless it is there and no folder
+void require_file(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) {
+    throw BadInput(fmt::format("{} does not exist", path.string()));
+  }
+  if (error) throw BadInput(fmt::format("cannot read {}: {}", path.string(), error.message()));
+  if (fs::is_directory(status)) throw BadInput(fmt::format("{} is a folder", path.string()));
+}
+
 }  // namespace
 
 void write_file_atomically(const fs::path& path, std::string_view bytes) {
   make_parents(path);
-  const fs::path temporary = partial(path);
+  const fs::path target = behind_link(path), temporary = partial(target);
   try {
     DurableFile file(temporary, DurableFile::Mode::replace);
     file.write(bytes);
     file.close();
-    publish_file(temporary, path);
+    publish_file(temporary, target);
   } catch (const BadInput&) {
     std::error_code ignored;
     fs::remove(temporary, ignored);
@@ -46,10 +66,12 @@ void write_file_atomically(const fs::path& path, std::string_view bytes) {
 }
 
 std::string read_file(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) throw BadInput(fmt::format("{} does not exist", path.string()));
-  if (fs::is_directory(path, error)) throw BadInput(fmt::format("{} is a folder", path.string()));
+  require_file(path);
   std::ifstream in(path, std::ios::binary);
+  if (!in.is_open()) {
+    throw BadInput(
+        fmt::format("cannot read {}: {}", path.string(), std::generic_category().message(errno)));
+  }
   std::string content;
   std::vector<char> chunk(1 << 16);
   while (in.read(chunk.data(), std::ssize(chunk)) || in.gcount() > 0) {
@@ -58,7 +80,7 @@ std::string read_file(const fs::path& path) {
       throw BadInput(fmt::format("{} has more than {} bytes", path.string(), kMaxBytes));
     }
   }
-  // Neither a file that does not open nor one that fails midway gets to its end.
+  // One that fails midway does not get to its end.
   if (!in.eof() || in.bad()) throw BadInput(fmt::format("cannot read {}", path.string()));
   return content;
 }

@@ -5,12 +5,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <sstream>
 #include <string>
+#include <string_view>
 
 #include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
@@ -271,11 +272,20 @@ std::string to_bytes(const HandPosture& best, const hand::Attitude& other) {
   return text;
 }
 
+/// Of to_bytes, whatever the locale of the program.
+double hexadecimal(std::string_view word) {
+  const bool negative = word.starts_with('-');
+  word.remove_prefix(std::min<std::size_t>(word.size(), negative ? 3 : 2));  // the sign, and 0x
+  double value = 0;
+  std::from_chars(word.data(), word.data() + word.size(), value, std::chars_format::hex);
+  return negative ? -value : value;
+}
+
 bool from_bytes(const std::string& bytes, int actuators, HandPosture& best, hand::Attitude& other) {
   constexpr std::size_t kOwn = 9;
   std::istringstream text(bytes);
   std::vector<double> values;
-  for (std::string word; text >> word;) values.push_back(std::strtod(word.c_str(), nullptr));
+  for (std::string word; text >> word;) values.push_back(hexadecimal(word));
   if (values.size() != static_cast<std::size_t>(actuators) + kOwn) return false;
   best.attitude = {values[0], values[1]};
   other = {values[2], values[3]};

@@ -112,9 +112,10 @@ int finger_of(std::string_view cell) {
   const auto& names = hand::kShadowFingerNames;
   const auto name = std::find(names.begin(), names.end(), cell);
   if (name != names.end()) return static_cast<int>(name - names.begin());
-  int index = -1;  // other names are a hand's own; the search does not need them
-  std::from_chars(cell.data(), cell.data() + cell.size(), index);
-  return index;
+  int index = -1;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), index);
+  // Other names are a hand's own; the search does not need them.
+  return error == std::errc() && end == cell.data() + cell.size() ? index : -1;
 }
 
 tactile::Contact contact_of(const CsvTable& row, const ContactColumns& columns,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "palpate/core/error.hpp"
 #include "recording/matrix_json.hpp"
@@ -106,8 +107,12 @@ json to_json(const Event& event) {
 }
 
 Event event_from_json(const json& j) {
+  auto phase = j.at("phase").get<std::string>();
+  if (phase.find('/') != std::string::npos) {  // it is part of the names of pictures
+    throw BadInput(fmt::format("'{}' is no name of a phase", phase));
+  }
   return {finite_from_json(j.at("time")), kind_from(j.at("kind").get<std::string>()),
-          j.at("phase").get<std::string>(), j.at("text").get<std::string>()};
+          std::move(phase), j.at("text").get<std::string>()};
 }
 
 json to_json(const EstimateRecord& estimate) {

@@ -180,11 +180,14 @@ hand::Actuator actuator_from_json(const json& j, const hand::Description& hand) 
 }
 
 hand::Link link_from_json(const json& j, std::size_t links_before, std::size_t joints) {
-  return {.name = j.at("name").get<std::string>(),
-          .parent = index_from_json(j.at("parent"), -1, links_before, "parent link"),
-          .T_parent_link = pose_from_json(j.at("T_parent_link")),
-          .axis = vector_from_json(j.at("axis")),
-          .joint = index_from_json(j.at("joint"), -1, joints, "joint")};
+  constexpr double kUnit = 1e-6;
+  hand::Link link{.name = j.at("name").get<std::string>(),
+                  .parent = index_from_json(j.at("parent"), -1, links_before, "parent link"),
+                  .T_parent_link = pose_from_json(j.at("T_parent_link")),
+                  .axis = vector_from_json(j.at("axis")),
+                  .joint = index_from_json(j.at("joint"), -1, joints, "joint")};
+  if (link.joint >= 0) plausible(link.axis.norm(), 1 - kUnit, 1 + kUnit, "the length of an axis");
+  return link;
 }
 
 double radius_from_json(const json& part) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recording/hdf5_file.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace palpate::recording {
@@ -61,6 +62,26 @@ void append_rows(hid_t file, const std::string& name, const void* values, hsize_
   const Handle memory_space(H5Screate_simple(2, block.data(), nullptr), &H5Sclose);
   expect_done(H5Dwrite(dataset, memory_type.getId(), memory_space, file_space, H5P_DEFAULT, values),
               "H5Dwrite");
+}
+
+void check_stored(const H5::H5File& file, const H5::DataSet& dataset, const std::string& name) {
+  const H5::DSetCreatPropList properties = dataset.getCreatePlist();
+  bool usual = dataset.getFileName() == file.getFileName() &&
+               properties.getLayout() == H5D_CHUNKED && properties.getNfilters() == 1;
+  if (usual) {
+    std::size_t count = 0;
+    unsigned flags = 0;
+    usual = H5Pget_filter2(properties.getId(), 0, &flags, &count, nullptr, 0, nullptr, nullptr) ==
+            H5Z_FILTER_FLETCHER32;
+  }
+  if (!usual) throw BadInput(fmt::format("{} is not stored as in a recording", name));
+  std::array<hsize_t, 2> chunk{};
+  if (properties.getChunk(2, chunk.data()) != 2) return;  // no table, as checked_rows() will say
+  const hsize_t row = chunk[1] * dataset.getDataType().getSize();
+  if (dataset.getStorageSize() > 0 && chunk[0] > file.getFileSize() / std::max<hsize_t>(row, 1)) {
+    throw BadInput(
+        fmt::format("{} has blocks of {} rows, more than the file holds", name, chunk[0]));
+  }
 }
 
 hsize_t checked_rows(const H5::DataSet& dataset, const std::string& name, hsize_t width,

@@ -64,6 +64,10 @@ void create_growing(hid_t parent, const std::string& name, const H5::DataType& t
 void append_rows(hid_t file, const std::string& name, const void* values, hsize_t rows,
                  hsize_t width, const H5::DataType& memory_type);
 
+/// @throws BadInput unless the dataset is stored as create_growing() does, in this file: others may
+///         lie in other files, or unpack to any size
+void check_stored(const H5::H5File& file, const H5::DataSet& dataset, const std::string& name);
+
 /// Number of rows of a dataset.
 /// @throws BadInput unless it is N x width, of the type's class, and no larger than `file_size`
 hsize_t checked_rows(const H5::DataSet& dataset, const std::string& name, hsize_t width,
@@ -73,6 +77,7 @@ hsize_t checked_rows(const H5::DataSet& dataset, const std::string& name, hsize_
 template <class T>
 std::vector<T> read_rows(const H5::H5File& file, const std::string& name, hsize_t width) {
   const H5::DataSet dataset = file.openDataSet(name);
+  check_stored(file, dataset, name);
   const auto rows = checked_rows(dataset, name, width, hdf5_type<T>(), file.getFileSize());
   std::vector<T> values(rows * width);
   if (rows > 0) dataset.read(values.data(), native_type<T>());

@@ -3,10 +3,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "palpate/core/angle.hpp"
+#include "palpate/recording/touch_log.hpp"
 #include "recording/matrix_json.hpp"
 #include "recording/note_numbers.hpp"
 #include "recording/page_data.hpp"
@@ -35,7 +37,6 @@ json phases_to_json(const std::vector<Event>& events, double last, double origin
 }
 
 constexpr std::string_view kFixture = "fixture ", kPath = "path ", kCredible = "credible";
-constexpr std::string_view kLetGo = "mark placed";
 constexpr std::size_t kBoxNumbers = kPoseNumbers + 3;
 
 /// Where the object was to be put, the way planned there (x y z of its centroid), the boxes of the
@@ -45,6 +46,7 @@ json placement_to_json(const std::vector<Event>& events, double origin) {
                     {"path", json::array()},
                     {"fixture", json::array()},
                     {"let_go", json::array()}};
+  const std::string let_go = touch_note(estimation::TouchEvent::placed);
   for (const Event& event : events) {
     if (event.kind != EventKind::note) continue;
     const auto target = numbers_after(kTargetNote, event.text, kPoseNumbers);
@@ -53,7 +55,7 @@ json placement_to_json(const std::vector<Event>& events, double origin) {
     if (path.size() % 3 == 0 && !path.empty()) placement["path"] = path;
     const auto box = numbers_after(kFixture, event.text, kBoxNumbers);
     if (!box.empty()) placement["fixture"].push_back(box);
-    if (event.text == kLetGo) placement["let_go"].push_back(event.time - origin);
+    if (event.text == let_go) placement["let_go"].push_back(event.time - origin);
   }
   return placement;
 }

@@ -29,6 +29,11 @@ std::string present_name(std::string name) {
 
 }  // namespace
 
+std::string touch_note(estimation::TouchEvent event) {
+  return std::string(kEventPrefix)
+      .append(estimation::kTouchEventNames[static_cast<std::size_t>(event)]);
+}
+
 std::optional<estimation::TouchEvent> touch_event_of(const Event& event) {
   if (!event.text.starts_with(kEventPrefix)) return std::nullopt;
   const std::string name = present_name(event.text.substr(kEventPrefix.size()));

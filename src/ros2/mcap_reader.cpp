@@ -120,6 +120,7 @@ class Contents {
       const auto op = static_cast<McapOp>(rest.number<std::uint8_t>());
       const std::string_view record = rest.raw(rest.number<std::uint64_t>());
       if (op == McapOp::chunk) throw BadInput("a chunk in a chunk");
+      if (op == McapOp::metadata) throw BadInput("metadata in a chunk");  // which is all kept
       take(op, record);
     }
   }

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The hand command, and hands that pick and eval refuse."""
 
+import os
 import pathlib
 
 from cli import BAD_INPUT, USAGE, CliTest, main
@@ -34,9 +35,11 @@ class Hand(CliTest):
         self.assertFalse(hands["leap"]["installed"])  # the cache of a test is empty
 
     def test_what_is_no_hand_is_refused_by_every_command(self):
+        os.mkfifo(self.folder / "pipe")
         self.write("no_hand.xml", NO_HAND)
         self.write("my_hand.toml", 'model = "no_hand.xml"\nthum = "thumb"\n')
         for command in (["hand", "check"], ["pick", "--hand"], ["eval", "--trials", "1", "--hand"]):
+            self.assertIn("pipe: it is a pipe", self.refused(*command, "pipe"))
             self.assertIn("no_hand.xml: no body of the file has joints",
                           self.refused(*command, "no_hand.xml"))
             self.assertIn("my_hand.toml:2: unknown option thum; did you mean thumb?",
@@ -54,6 +57,16 @@ class Hand(CliTest):
         for picture in pictures:
             data = (self.folder / picture).read_bytes()
             self.assertEqual(data[:4], b"\x89PNG")
+
+    def test_a_name_in_a_hands_file_leads_no_picture_elsewhere(self):
+        checks = {check["name"]: check["ok"] for check in self.run_json("doctor")["checks"]}
+        if not checks["rendering"]:
+            self.skipTest("neither EGL nor OSMesa works here; see palpate doctor")
+        hand = pathlib.Path(__file__).parents[2] / "examples/hands/three_fingers.xml"
+        self.write("hand.xml", hand.read_text().replace('"index_tip"', '"../../../tip"'))
+        pictures = self.run_json("hand", "render", "hand.xml", "--out", "pictures")["pictures"]
+        self.assertIn("pictures/pointing-.._.._.._tip.png", pictures)
+        self.assertEqual({str(pathlib.Path(picture).parent) for picture in pictures}, {"pictures"})
 
     def test_the_left_shadow_hand_is_the_right_ones_mirror_image(self):
         right, left = (self.run_json("hand", "check", name) for name in ("shadow", "shadow-left"))

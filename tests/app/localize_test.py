@@ -222,6 +222,14 @@ class Localize(CliTest):
         for option in ("--quiet", "--json"):
             self.assertNotIn("Next:", self.run_program(*command, option).stdout)
 
+    def test_the_next_command_takes_names_with_blanks(self):
+        self.write("contacts.csv", csv(contacts_on_box(18)))
+        self.write("a box.stl", (self.folder / "box.stl").read_bytes())
+        for more, words in (([], " --out 'out/localize-a box' "),
+                            (["--out", "an out"], "localize 'a box.stl' MORE_CONTACTS --prior 'an out/report.json'")):
+            lines = self.run_program("localize", "a box.stl", "contacts.csv", *QUICK, *more).stdout.splitlines()
+            self.assertIn(words, lines[-1])
+
     def test_points_without_normals(self):
         rows = [row[:3] for row in contacts_on_box(40)]
         result = self.localize(rows, header="x,y,z")
@@ -333,6 +341,10 @@ class Localize(CliTest):
         result = self.localize(contacts_on_box(18))
         self.assertEqual(result["status"], "certain")
         self.assertTrue(result["repairs"])
+
+    def test_many_objects_are_more_than_a_files_name_can_hold(self):
+        many = ",".join(f"generated:{number}" for number in range(30))
+        self.assert_refused(BAD_INPUT, ["localize", many, "none.csv"], "none.csv does not exist")
 
     def test_the_search_of_several_objects_is_not_chosen(self):
         self.write("some.csv", "x,y,z\n0,0,0\n")

@@ -246,6 +246,15 @@ class Export(PickTest):
         self.assert_refused(BAD_INPUT, ["replay", "cut.mcap", "--quiet"], "cut.mcap")
         (self.folder / "cut.mcap").unlink()
 
+    def test_a_seed_that_is_no_number_is_bad_input(self):
+        with open(self.folder / "odd.mcap", "wb") as file:
+            writer = mcap.writer.Writer(file)
+            writer.start()
+            writer.add_metadata("palpate", {"object": "box", "hand": "shadow", "seed": "ten"})
+            writer.finish()
+        self.addCleanup((self.folder / "odd.mcap").unlink)
+        self.assert_refused(BAD_INPUT, ["replay", "odd.mcap", "--quiet"], "odd.mcap", 'the seed "ten"')
+
     def test_export_refuses_what_it_must(self):
         self.assert_refused(BAD_INPUT, ["export", "mcap", "run/recording.h5", "--out", "box.mcap"],
                             "box.mcap", "--force")

@@ -117,6 +117,8 @@ class Output(CliTest):
         self.write("odd.jsonl", "\n".join([header, *map(json.dumps, trials), ""]))
         self.assert_refused(BAD_INPUT, ["merge", "part1", "odd.jsonl", "part2", "part3"],
                             "odd.jsonl", f"seed {trials[0]['seed']}", "different programs")  # fmt: skip
+        self.write("endless.jsonl", json.dumps({**json.loads(header), "trials": 10**18}) + "\n")
+        self.assert_refused(BAD_INPUT, ["merge", "endless.jsonl"], "endless.jsonl", "a plan of 1000000000000000000 trials")
         self.run_program(*EVAL, "--out", "other")
         self.assert_refused(BAD_INPUT, ["merge", "part1", "other"], "other settings")
         self.assert_refused(BAD_INPUT, [*both, "--shard", "4/3", "--out", "new"], "4/3")
@@ -166,6 +168,12 @@ class Output(CliTest):
         changed["trial"]["weights"] = [*changed["trial"]["weights"], 0.5]
         self.write("changed.jsonl", "\n".join([header, json.dumps(changed), ""]))
         self.assert_refused(BAD_INPUT, ["merge", "part2", "changed.jsonl"], "different programs")
+
+    def test_an_evaluation_takes_no_folder_of_another_command(self):
+        (self.folder / "run").mkdir()
+        self.write("run/config.toml", "kept")
+        self.assert_refused(BAD_INPUT, [*EVAL, "--out", "run"], "run/config.toml is of another run", "--force")
+        self.assertEqual(self.read("run/config.toml"), b"kept")
 
     def test_half_a_line_of_a_killed_run_is_dropped(self):
         self.run_program(*EVAL, "--out", "whole")

@@ -24,6 +24,13 @@ class Plan(CliTest):
         rows = [dict(zip("xyz", place)) for place in places]
         return self.waypoints(*rows, columns=BASE + JOINTS, **options)
 
+    def test_a_configuration_is_not_overwritten_unasked(self):
+        file = self.waypoints({}, {"FFJ3": 0.8}, {})
+        (self.folder / "mine").mkdir()
+        self.write("mine/config.toml", "kept")
+        self.assert_refused(BAD_INPUT, ["plan", file, "--quiet", "--out", "mine"], "mine/config.toml", "--force")
+        self.assertEqual((self.folder / "mine/config.toml").read_text(), "kept")
+
     def test_fingers_move_and_the_hand_follows(self):
         file = self.waypoints({}, {"FFJ3": 0.8, "FFJ2": 0.5}, {})
         report = self.run_json("plan", file, "--execute", "--out", "out")

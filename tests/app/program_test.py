@@ -81,6 +81,16 @@ class Usage(CliTest):
         self.assert_refused(BAD_INPUT, ["export", "mcap", "x.h5", "--out", "no/such/a.mcap"],
                             "there is no folder no/such for a.mcap")  # fmt: skip
 
+    def test_an_argument_of_any_length_is_refused(self):
+        self.assert_refused(USAGE, ["localize", "mug", "--method", 100_000 * "a"], "--method: ", "aaa", "fast")
+        self.assert_refused(USAGE, [100_000 * "a"], "there is no command")
+
+    def test_a_path_that_names_nothing_is_bad_input(self):
+        (self.folder / "loop").symlink_to("loop")
+        for path, why in (("loop", "symbolic links"), (5000 * "a", "too long")):
+            self.assert_refused(BAD_INPUT, ["replay", path], path, why)
+            self.assert_refused(BAD_INPUT, ["merge", path], path, why)
+
     def test_files_that_are_no_text_are_refused_as_options(self):
         """The error comes out of a shared library that was linked beside another C++ runtime."""
         for number, data in enumerate([b"\xff\xfe\0", b'attempts = "\xff"', b"attempts = 3\0", b"\x80" * 999]):

@@ -236,6 +236,9 @@ class Sense(CliTest):
                      ["biotac-inverse"]):  # fmt: skip
             self.assert_refused(
                 BAD_INPUT, ["train", *kind, "--out", "old.model"], "old.model exists", "--force")
+        for kind in ("biotac-network", "biotac-inverse"):
+            self.assert_refused(BAD_INPUT, ["train", kind, "--out", "new.model", "--write-data", "old.model"],
+                                "old.model exists", "--force")  # fmt: skip
         self.assertEqual((self.folder / "old.model").read_text(), "kept")
 
 

@@ -7,7 +7,7 @@ import re
 import subprocess
 
 import cli
-from cli import DONE, CliTest, main
+from cli import BAD_INPUT, DONE, USAGE, CliTest, main
 
 COLOR = re.compile(r"\033\[\d+m")
 IDENTITY = "1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1"
@@ -58,6 +58,11 @@ class Terminal(CliTest):
         plain = self.run_program("doctor").stdout.splitlines()
         colored = COLOR.sub("", self.on_terminal("doctor", "--quiet")).splitlines()
         self.assertEqual([line.find(" ok ") for line in plain], [line.find(" ok ") for line in colored])
+
+    def test_a_terminal_obeys_nothing_that_a_file_says(self):
+        self.write("a.csv", "x,y,z,\x1b[2Jn\n1,2,3,4\n")
+        self.assert_refused(BAD_INPUT, ["localize", "mug", "a.csv"], "unknown column '?[2Jn'")
+        self.assert_refused(USAGE, ["pik\x1b[2J\nk"], "'pik?[2J k'")
 
     def test_a_wait_shows_its_seconds_and_leaves_no_trace(self):
         command = "rollout", "--episodes", "60"

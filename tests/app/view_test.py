@@ -44,6 +44,12 @@ class View(RecordingTest):
         server.send_signal(signal.SIGINT)
         self.assertEqual(server.wait(timeout=60), DONE)
 
+    def test_serves_on_any_address_of_this_machine(self):
+        _, url = self.serve(self.record(), "--port", "0", "--host", "127.0.0.2")
+        self.assertNotIn("token", url)
+        with urllib.request.urlopen(url, timeout=60) as answer:
+            self.assertEqual(answer.status, 200)
+
     def ask(self, port, lines, body=b""):
         """The answer to a request, whole."""
         request = "\r\n".join(lines).format(port=port).encode() + b"\r\n\r\n" + body

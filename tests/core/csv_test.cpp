@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/csv_table.hpp"
+#include "core/error_message.hpp"
 #include "palpate/core/error.hpp"
 
 namespace palpate {
@@ -27,6 +28,14 @@ TEST(Csv, AColumnThatTheHeaderNamesTwiceIsRefusedWhereItIsAskedFor) {
   } catch (const BadInput& error) {
     EXPECT_STREQ(error.what(), "twice.csv: the header names column x twice");
   }
+}
+
+TEST(Csv, AMessageShowsNoMoreThanTheBeginOfACell) {
+  const std::string text = "x\n" + std::string(100'000, 'a') + "\n";
+  CsvTable table(text, "long.csv");
+  ASSERT_TRUE(table.next());
+  EXPECT_LT(error_message([&] { (void)table.finite(0); }).size(), 200u);
+  EXPECT_LT(error_message([&] { (void)table.number(0); }).size(), 200u);
 }
 
 std::string refusal_of_header(const std::string& text) {

@@ -2,6 +2,7 @@
 #include "palpate/core/file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "core/error_message.hpp"
 #include "core/temporary_folder.hpp"
@@ -52,6 +53,34 @@ TEST(File, ReadErrorsNameThePath) {
   EXPECT_EQ(error_message([&] { read_file(missing); }), missing.string() + " does not exist");
   EXPECT_EQ(error_message([&] { read_file(folder.path()); }),
             folder.path().string() + " is a folder");
+}
+
+TEST(File, WhatCannotBeOpenedIsNamedWithTheReason) {
+  const TemporaryFolder folder;
+  const fs::path loop = folder.path() / "loop";
+  fs::create_symlink("loop", loop);
+  EXPECT_EQ(error_message([&] { read_file(loop); }),
+            "cannot read " + loop.string() + ": Too many levels of symbolic links");
+}
+
+TEST(File, ALinkStaysAndWhatItLeadsToIsReplaced) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "file", link = folder.path() / "link";
+  write_file_atomically(file, "old");
+  fs::create_symlink("file", link);
+  write_file_atomically(link, "new");
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(read_file(file), "new");
+}
+
+TEST(File, ADeviceOrAPipeIsNotReplaced) {
+  const TemporaryFolder folder;
+  const fs::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(error_message([&] { write_file_atomically(pipe, "x"); }),
+            "cannot write " + pipe.string() + ": it is no file");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_FALSE(fs::exists(pipe.string() + ".partial"));
 }
 
 TEST(File, FailureAmidReadingIsBadInput) {

@@ -114,6 +114,18 @@ TEST_F(MeshFiles, AsciiPlyObjAndStlAgree) {
   EXPECT_EQ(stl.vertices[2], Eigen::Vector3d(1, 0, 0));
 }
 
+TEST_F(MeshFiles, AllSolidsOfAnAsciiStlAreRead) {
+  const std::string other = replaced(kAsciiStl, "solid a b c", "solid");
+  EXPECT_EQ(load("a.stl", kAsciiStl + "\n" + other + "\n").triangles.size(), 2U);
+  EXPECT_THROW(load("a.stl", kAsciiStl + "facet normal 0 0 1\n"), BadInput);
+  EXPECT_THROW(load("a.stl", kAsciiStl + "solid cut short\n"), BadInput);
+}
+
+TEST_F(MeshFiles, AByteOrderMarkDropsNoVertex) {
+  const std::string vertices_first = kObj.substr(kObj.find('\n') + 1);
+  expect_same(load("a.obj", "\xEF\xBB\xBF" + vertices_first), load("b.obj", kObj));
+}
+
 TEST_F(MeshFiles, WindowsLineEndsAreRead) {
   for (const auto& [name, content] : {std::pair("a.ply", kAsciiPly), std::pair("a.obj", kObj)}) {
     std::string windows;

@@ -60,15 +60,37 @@ TEST_F(CloudFiles, PlyComesBackExactly) {
 }
 
 TEST_F(CloudFiles, Xyz) {
-  const PointCloud cloud = load("a.xyz", "# x y z nx ny nz\n1 2 3 0 0 2\n\n4,5,6,1,0,0 # last\n");
+  const PointCloud cloud = load("a.xyz", "# x y z nx ny nz\n1 2 3 0 0 1.01\n\n4,5,6,1,0, 0 #\n");
   ASSERT_EQ(cloud.size(), 2u);
   EXPECT_EQ(cloud.points[1], Eigen::Vector3d(4, 5, 6));
   EXPECT_EQ(cloud.normals[0], Eigen::Vector3d(0, 0, 1));
-  EXPECT_FALSE(load("b.xyz", "1 2 3 0 0 2\n4 5 6\n").has_normals());
+  EXPECT_FALSE(load("b.xyz", "1 2 3 0 0 1\n4 5 6\n").has_normals());
   EXPECT_EQ(load("c.xyz", "\n# nothing\n").size(), 0u);
   EXPECT_THROW(load("d.xyz", "1 2\n"), BadInput);
   EXPECT_THROW(load("e.xyz", "1 2 nan\n"), BadInput);
   EXPECT_THROW(load("f.xyz", "1 2 three\n"), BadInput);
+}
+
+TEST_F(CloudFiles, ColoursOfAnXyzAreNoNormals) {
+  const PointCloud cloud = load("a.xyz", "1 2 3 255 128 0\n4 5 6 1 0 0\n");
+  EXPECT_EQ(cloud.size(), 2u);
+  EXPECT_FALSE(cloud.has_normals());
+}
+
+TEST_F(CloudFiles, DecimalCommasOfAnXyzAreRefused) {
+  try {
+    load("a.xyz", "0 0 0\n1,5 2,3 3,1\n");
+    FAIL() << "they were taken for six numbers";
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("a.xyz: line 2: blanks and commas"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(CloudFiles, AByteOrderMarkIsPassedOver) {
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_EQ(load("a.xyz", mark + "1 2 3\n4 5 6\n").size(), 2u);
+  EXPECT_EQ(load("a.obj", mark + "v 1 2 3\nv 4 5 6\n").size(), 2u);
 }
 
 // Bytes as Open3D 0.20 writes a grid of 4 x 4 points at z = 0.5.

@@ -27,6 +27,14 @@ TEST(ParseContacts, ReadsColumnsInAnyOrder) {
   EXPECT_EQ(contacts[0].normal_sigma, 0.1);
 }
 
+TEST(ParseContacts, FingersOfOtherHandsAreNotNumbered) {
+  const auto contacts = parse_contacts("x,y,z,finger\n1,0,0,3\n1,0,0,2nd\n1,0,0,thumb\n", "c");
+  ASSERT_EQ(contacts.size(), 3U);
+  EXPECT_EQ(contacts[0].finger, 3);
+  EXPECT_EQ(contacts[1].finger, -1);
+  EXPECT_EQ(contacts[2].finger, -1);
+}
+
 TEST(ParseContacts, SortsByTime) {
   const auto contacts = parse_contacts("x,y,z,nx,ny,nz,t\n1,0,0,0,0,1,2\n2,0,0,0,0,1,1\n", "c");
   ASSERT_EQ(contacts.size(), 2U);

@@ -48,6 +48,7 @@ TEST(PlausibleRecordingTest, WhatCannotBeIsRefusedThoughItIsFinite) {
       [](Recording& r) { r.header.hand.fingers[1].tip.radius = -1; },
       [](Recording& r) { r.header.hand.spheres[1].radius = -1; },
       [](Recording& r) { r.header.hand.links[1].T_parent_link.linear() *= -1; },
+      [](Recording& r) { r.header.hand.links[1].axis *= 2; },
       [](Recording& r) { r.header.hand.kinematic_error = 1e200; },
       [](Recording& r) { r.header.object.mass = -0.1; },
       [](Recording& r) { r.header.object.mass_properties.volume = 1e200; },
@@ -59,6 +60,7 @@ TEST(PlausibleRecordingTest, WhatCannotBeIsRefusedThoughItIsFinite) {
       [](Recording& r) { r.estimates[0].contacts[0].f.x() = 1e200; },
       [](Recording& r) { r.estimates[0].contacts[0].finger = 1000000; },
       [](Recording& r) { r.estimates[0].contacts[0].point_sigma = -1; },
+      [](Recording& r) { r.events[0].phase = "../../lift"; },
   };
   for (std::size_t i = 0; i < changes.size(); ++i) EXPECT_NE(refusal(changes[i]), "") << i;
 }

@@ -26,6 +26,14 @@ TEST(TouchEventOf, KnowsPresentAndFormerNames) {
   EXPECT_EQ(event_called("fixture 1 2"), std::nullopt);
 }
 
+TEST(TouchEventOf, ReadsWhatTouchNoteWrites) {
+  EXPECT_EQ(touch_note(TouchEvent::placed), "mark placed");
+  for (std::size_t i = 0; i < estimation::kTouchEventNames.size(); ++i) {
+    const auto event = static_cast<TouchEvent>(i);
+    EXPECT_EQ(event_called(touch_note(event).c_str()), event);
+  }
+}
+
 TEST(TouchEventOf, RefusesAnEventThatMeansNothing) {
   EXPECT_THROW(event_called("mark juggled"), BadInput);
 }

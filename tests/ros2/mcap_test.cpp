@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include "core/error_message.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/random.hpp"
@@ -10,6 +11,7 @@
 #include "palpate/ros2/messages/sensor_msgs.hpp"
 #include "recording/toy_recording.hpp"
 #include "ros2/mcap_reader.hpp"
+#include "ros2/mcap_records.hpp"
 
 namespace palpate::ros2 {
 namespace {
@@ -119,6 +121,19 @@ TEST_F(Mcap, DamageIsNamedWithItsPlace) {
   EXPECT_THROW(read(folder_ / "none.mcap"), BadInput);
   std::ofstream(damaged, std::ios::binary) << "x,y,z\n1,2,3\n";
   EXPECT_THROW(read(damaged), BadInput);
+}
+
+TEST_F(Mcap, AChunkHoldsNeitherChunksNorMetadata) {
+  const std::string empty = McapFields().text("").text("").record(McapOp::metadata);
+  std::string inner = empty;
+  for (const char* const reason : {"metadata in a chunk", "a chunk in a chunk"}) {
+    McapFields fields;
+    fields.number(std::uint64_t{0}).number(std::uint64_t{0}).number(std::uint64_t{inner.size()});
+    fields.number(std::uint32_t{0}).text("").number(std::uint64_t{inner.size()}).raw(inner);
+    inner = fields.record(McapOp::chunk);
+    std::ofstream(path_, std::ios::binary) << kMcapMagic << inner;
+    EXPECT_NE(error_message([&] { read(path_); }).find(reason), std::string::npos) << reason;
+  }
 }
 
 TEST_F(Mcap, ChangedBytesAreReadOrRefused) {

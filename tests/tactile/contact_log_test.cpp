@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/tactile/contacts/contact_log.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -124,6 +125,15 @@ TEST_F(ContactLogTest, NamesWhatIsWrongAndWhere) {
   EXPECT_NE(error(header + "\nFF,0,0,0,0,0,0,x1\n").find(":3: 'x1' in column fz"),
             std::string::npos);
   EXPECT_THROW(read_contact_log(folder_.path() / "none.csv"), BadInput);
+}
+
+TEST_F(ContactLogTest, FingersAndContactsAtOneTimeHaveALimit) {
+  const std::string header = "finger,t,px,py,pz,fx,fy,fz\n";
+  std::string at_once = header, fingers = header;
+  for (int i = 0; i <= 10000; ++i) at_once += fmt::format("FF,0.5,0,0,{},0,0,-1\n", 1e-6 * i);
+  for (int i = 0; i <= 1000; ++i) fingers += fmt::format("f{},0.5,0,0,0,0,0,-1\n", i);
+  EXPECT_NE(error(at_once).find(":10002: more than 10000 contacts of FF"), std::string::npos);
+  EXPECT_NE(error(fingers).find(":1002: 'f1000' is one finger more than 1000"), std::string::npos);
 }
 
 TEST_F(ContactLogTest, AFingersNameCanBeAFiles) {

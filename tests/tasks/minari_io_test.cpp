@@ -209,6 +209,28 @@ TEST(Minari, RefusesATableWhoseSizeOverflows) {
             std::string::npos);
 }
 
+/// No table claims more values than the file has bytes, but all of them together do.
+TEST(Minari, RefusesTablesThatTogetherUnpackToTooMuch) {
+  const TemporaryFolder folder;
+  write_minari(folder.path(), random_dataset());
+  const std::filesystem::path path = folder.path() / "data/main_data.hdf5";
+  const hsize_t bytes = std::filesystem::file_size(path);
+  {
+    const H5::H5File file(path.string(), H5F_ACC_RDWR);
+    for (const std::string episode : {"episode_0/", "episode_1/", "episode_2/"}) {
+      for (const char* const name : {"observations", "actions", "rewards", "terminations"}) {
+        const H5::DataSet table = file.openDataSet(episode + name);
+        hsize_t size[2] = {0, 1};
+        table.getSpace().getSimpleExtentDims(size);
+        size[0] = bytes / size[1];
+        table.extend(size);
+      }
+    }
+  }
+  EXPECT_NE(error_message([&] { read_minari(folder.path()); }).find("more than the file holds"),
+            std::string::npos);
+}
+
 TEST(Minari, RefusesNanRewardsInAFile) {
   const TemporaryFolder folder;
   write_minari(folder.path(), random_dataset());

@@ -165,6 +165,32 @@ TEST(Trainer, RefusesACheckpointOfImpossibleLayers) {
   }
 }
 
+TEST(Trainer, RefusesACheckpointOfArraysOfAnotherSize) {
+  const auto refuses = [](Trainer& trainer, const char* name, const Eigen::MatrixXd& values) {
+    learning::Checkpoint checkpoint;
+    checkpoint.iteration = trainer.iteration();
+    trainer.save(checkpoint);
+    EXPECT_NO_THROW(trainer.restore(checkpoint)) << name;
+    checkpoint.arrays.at(name) = values;
+    EXPECT_THROW(trainer.restore(checkpoint), BadInput) << name;
+  };
+  NpgOptions npg;
+  npg.trajectories = 2;
+  npg.evaluation = 1;
+  npg.episode.horizon = 3;
+  const auto gradient = make_npg_trainer(context(), npg, small_network(1), {});
+  gradient->iterate();
+  refuses(*gradient, "value_range", Eigen::MatrixXd());
+  refuses(*gradient, "value_range", Eigen::RowVector2d(0, 1));
+  refuses(*gradient, "value_range", Eigen::Vector2d(0, std::nan("")));
+  const auto search = make_cem_trainer(context(), small_search());
+  learning::Checkpoint start;
+  search->save(start);
+  const Eigen::MatrixXd& mean = start.array("mean");
+  refuses(*search, "mean", mean.topRows(mean.rows() - 1));
+  refuses(*search, "spread", mean.replicate(1, 2));
+}
+
 TEST(Trainer, NpgReportsWhatTheMeanActionEarns) {
   NpgOptions options;
   options.trajectories = 2;

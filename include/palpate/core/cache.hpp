@@ -12,14 +12,13 @@ namespace palpate {
 /// draft-eastlake-fnv). The same on every platform; not meant to withstand forgery.
 std::string content_hash(std::string_view bytes);
 
-/// The folder of what can be computed or fetched again: $PALPATE_CACHE, else
-/// $XDG_CACHE_HOME/palpate, else ~/.cache/palpate; empty if the environment names none.
+/// The folder of what can be computed or fetched again, which may be deleted at any time:
+/// $PALPATE_CACHE, else $XDG_CACHE_HOME/palpate, else ~/.cache/palpate; empty if the environment
+/// names none.
 std::filesystem::path cache_folder();
 
-/// What write_cache() kept under the key, or nothing if that is missing or damaged.
-///
-/// The cache is the folder $PALPATE_CACHE, else $XDG_CACHE_HOME/palpate, else ~/.cache/palpate. It
-/// holds only what can be computed again and may be deleted at any time.
+/// What write_cache() kept under the key in the cache_folder(), or nothing if that is missing or
+/// damaged.
 /// @param key  any bytes; should name what was computed, how, and a version of its format
 std::optional<std::string> read_cache(std::string_view key);
 

@@ -8,9 +8,10 @@
 namespace palpate {
 
 /// Writes a file under a temporary name (PATH.partial) and renames it, so that nobody ever sees
-/// half of it, and returns when it is on the disk. Parent folders are made.
-/// @throws BadInput, with the path and the reason, if it cannot be written; no half of it is left
-///         behind, and what bore the name before is whole
+/// half of it, and returns when it is on the disk. Parent folders are made. Of a link, what it
+/// leads to is replaced.
+/// @throws BadInput, with the path and the reason, if it cannot be written, or is a device or a
+///         pipe; no half of it is left behind, and what bore the name before is whole
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 /// Whole content of a file.

@@ -2,11 +2,15 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "palpate/estimation/event_log.hpp"
 #include "palpate/recording/recording.hpp"
 
 namespace palpate::recording {
+
+/// Text of the note that a recording has of a touch event.
+std::string touch_note(estimation::TouchEvent event);
 
 /// The touch event that a note of a recording stands for, if it stands for one.
 /// @throws BadInput for an event of another name

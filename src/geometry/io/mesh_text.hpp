@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "palpate/core/csv.hpp"
+
 namespace palpate::geometry {
 
 /// Takes the first word (between blanks) off the front of `rest`; empty at the end.
@@ -18,7 +20,9 @@ std::optional<long long> parse_integer(std::string_view word);
 /// Reads a text file word by word or line by line and knows where it is.
 class MeshText {
  public:
-  MeshText(std::string_view text, std::string_view file) : rest_(text), file_(file) {}
+  /// A byte order mark is passed over.
+  MeshText(std::string_view text, std::string_view file)
+      : rest_(without_byte_order_mark(text)), file_(file) {}
 
   /// Next line without its end, or nothing at the end of the text. What is left of the line that
   /// words were taken from counts as read.

@@ -13,6 +13,7 @@
 #include "geometry/io/mesh_text.hpp"
 #include "geometry/io/ply_header.hpp"
 #include "geometry/mesh/mesh_builder.hpp"
+#include "palpate/core/csv.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/plausible.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
@@ -46,6 +47,20 @@ bool read_obj_cloud(std::string_view content, std::string_view file, CloudBuilde
     builder.add(point);
   }
   return true;
+}
+
+/// Whether blanks and commas both stand between numbers, as where commas are those of decimals.
+bool is_mixed(std::string_view line) {
+  return line.find(',') != line.npos &&
+         std::ranges::any_of(csv_cells(line), [](std::string_view cell) {
+           return cell.find_first_of(" \t") != cell.npos;
+         });
+}
+
+/// The last three of six columns that are not named may also be a colour.
+bool is_unit(const Eigen::Vector3d& normal) {
+  constexpr double kRounding = 0.1;
+  return std::abs(normal.norm() - 1) <= kRounding;
 }
 
 PointCloud sampled(const std::filesystem::path& path, std::size_t samples) {
@@ -84,6 +99,7 @@ PointCloud read_xyz(std::string_view content, std::string_view file) {
   CloudBuilder builder(file);
   while (const auto read = text.next_line()) {
     std::string line(read->substr(0, read->find('#')));
+    if (is_mixed(line)) text.fail("blanks and commas between numbers, which need a decimal point");
     std::ranges::replace(line, ',', ' ');
     std::string_view rest = line;
     Vector6d point = Vector6d::Constant(std::nan(""));
@@ -96,7 +112,7 @@ PointCloud read_xyz(std::string_view content, std::string_view file) {
     }
     if (columns == 0) continue;
     if (columns < 3) text.fail(fmt::format("{} numbers where a point needs three", columns));
-    if (columns != 6) point.tail<3>().setConstant(std::nan(""));  // colours or the like
+    if (columns != 6 || !is_unit(point.tail<3>())) point.tail<3>().setConstant(std::nan(""));
     builder.add(point);
   }
   return std::move(builder).finish();

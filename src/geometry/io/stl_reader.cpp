@@ -64,12 +64,25 @@ void read_facet(MeshText& text, MeshBuilder& builder) {
   add_facet(builder, corners);
 }
 
+/// Goes on to the first line of another solid. @return false at the end of the file
+bool begin_solid(MeshText& text) {
+  while (auto line = text.next_line()) {
+    const std::string_view word = take_word(*line);
+    if (word == "solid") return true;
+    if (!word.empty()) text.fail_at("expected 'solid' or the end of the file, not", word);
+  }
+  return false;
+}
+
+/// Of a file of several solids all.
 void read_ascii(MeshText& text, MeshBuilder& builder) {
   text.next_line();  // solid NAME, of any words
-  for (auto word = text.next_word(); word != "endsolid"; word = text.next_word()) {
-    if (word != "facet") text.fail_at("expected 'facet' or 'endsolid', not", word);
-    read_facet(text, builder);
-  }
+  do {
+    for (auto word = text.next_word(); word != "endsolid"; word = text.next_word()) {
+      if (word != "facet") text.fail_at("expected 'facet' or 'endsolid', not", word);
+      read_facet(text, builder);
+    }
+  } while (begin_solid(text));
 }
 
 }  // namespace

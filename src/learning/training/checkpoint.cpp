@@ -86,6 +86,16 @@ const Eigen::MatrixXd& Checkpoint::array(const std::string& name) const {
   return found->second;
 }
 
+Eigen::VectorXd Checkpoint::column(const std::string& name, Eigen::Index rows) const {
+  const Eigen::MatrixXd& values = array(name);
+  if (values.cols() != 1 || (rows >= 0 && values.rows() != rows) || !values.allFinite()) {
+    throw BadInput(fmt::format("a checkpoint of {} whose '{}' is {} x {}{}", method, name,
+                               values.rows(), values.cols(),
+                               values.allFinite() ? "" : " with values that are not finite"));
+  }
+  return values.col(0);
+}
+
 void save_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
   std::string bytes = header(checkpoint).dump() + "\n";
   for (const auto& [name, values] : checkpoint.arrays) {

@@ -19,11 +19,6 @@
 namespace palpate::simulation {
 namespace {
 
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
-
 /// Geoms of a body that collide.
 std::vector<mjsGeom*> solids(mjsBody& body) {
   std::vector<mjsGeom*> result;
@@ -200,8 +195,12 @@ std::string tip_geom(const hand::Description& hand, int finger) {
 
 SpecHandle parse_model(const std::filesystem::path& file, std::vector<std::string>* warnings,
                        std::string_view kind) {
-  if (std::error_code error; std::filesystem::is_directory(file, error)) {
-    throw BadInput(fmt::format("cannot read the {} {}: it is a folder", kind, file.string()));
+  // The simulator takes a pipe for an empty file, or waits for it.
+  if (std::error_code error;
+      std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error)) {
+    throw BadInput(fmt::format(
+        "cannot read the {} {}: it is {}", kind, file.string(),
+        std::filesystem::is_directory(file, error) ? "a folder" : "a pipe or a device"));
   }
   refuse_templates(file, kind);
   SpecHandle spec = read_xml(file, warnings, kind);

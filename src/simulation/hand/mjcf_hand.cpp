@@ -9,6 +9,7 @@
 
 #include "palpate/core/error.hpp"
 #include "simulation/hand/hand_spec.hpp"
+#include "simulation/hand/warnings.hpp"
 #include "simulation/world/mujoco_handles.hpp"
 
 namespace palpate::simulation {
@@ -22,11 +23,7 @@ constexpr double kEndless = 1e3;  // rad, for a joint without limits
 ModelHandle load(const std::filesystem::path& mjcf) {
   std::array<char, 1000> error{};
   const SpecHandle spec(mj_parseXML(mjcf.c_str(), nullptr, error.data(), error.size()));
-  if (!spec) {
-    std::string text = error.data();
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    throw BadInput(fmt::format("{}: {}", mjcf.string(), text));
-  }
+  if (!spec) throw BadInput(fmt::format("{}: {}", mjcf.string(), one_line(error.data())));
   mjs_discardVisual(spec.get(), nullptr);
   return compile(*spec);
 }

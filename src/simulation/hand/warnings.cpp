@@ -3,6 +3,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <mutex>
 
 namespace palpate::simulation {
@@ -20,6 +21,11 @@ void silence_warnings() {
       if (collected) collected->emplace_back(text);
     };
   });
+}
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
 }
 
 Warnings::Warnings() : outer_(collected) {

@@ -11,6 +11,9 @@ namespace palpate::simulation {
 /// thread's Warnings, if any.
 void silence_warnings();
 
+/// What the simulator says, which may be several lines, in one.
+std::string one_line(std::string text);
+
 /// Collects the simulator's warnings of this thread while it lives.
 class Warnings {
  public:

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kMaxName = 200;  // bytes; a file system takes 255, with what is appended
 constexpr double kDefaultTick = 0.1;   // s
+constexpr std::size_t kMaxLogs = 1000, kMaxAtOnce = 10000;  // fingers; contacts of one at a time
 
 using Columns = palpate::CsvTable::Columns;
 
@@ -53,6 +54,10 @@ FingerLog& log_of(std::vector<FingerLog>& logs, const palpate::CsvTable& table,
                                   [&](const FingerLog& log) { return log.finger == finger; });
   if (found != logs.end()) return *found;
   check_finger_name(finger, table.where());
+  if (logs.size() == kMaxLogs) {
+    throw BadInput(
+        fmt::format("{}: '{}' is one finger more than {}", table.where(), finger, kMaxLogs));
+  }
   return logs.emplace_back(FingerLog{.finger = std::string(finger), .frames = {}, .normals = {}});
 }
 
@@ -79,6 +84,10 @@ void add_row(const palpate::CsvTable& table, const Layout& layout, FingerLog& lo
   const bool twice = std::ranges::any_of(
       contacts, [&](const FingerContact& other) { return other.p == p && other.f == f; });
   if (twice) return;
+  if (contacts.size() == kMaxAtOnce) {
+    throw BadInput(fmt::format("{}: more than {} contacts of {} at the time {}", table.where(),
+                               kMaxAtOnce, log.finger, time));
+  }
   contacts.push_back({.p = p, .f = f, .tip_normal = tip_normal(table, layout)});
   if (!layout.n) return;
   const Eigen::Vector3d n = vector_of(table, *layout.n);

@@ -26,6 +26,7 @@ constexpr const char* kMinariVersion = "0.5.1";
 constexpr const char* kIntended = "intended";  // info: the actions before noise was added
 constexpr hsize_t kChunk = 64;                 // rows
 constexpr hsize_t kMaxValues = 1ULL << 31;     // of one table
+constexpr std::uintmax_t kMaxUnpacked = 8;     // values in all, for each byte of the file
 constexpr std::size_t kMaxValueBytes = 16;     // of a number
 
 std::string name_of(std::size_t episode) { return fmt::format("episode_{}", episode); }
@@ -154,8 +155,13 @@ json metadata(const MinariDataset& dataset) {
   return head;
 }
 
+/// How many values are still read of a file.
+struct Room {
+  std::uintmax_t of_table, left;
+};
+
 /// A table of numbers as a matrix of `rank` 2 (width x rows) or a column (rows x 1) of rank 1.
-MatrixXd read_table(const H5::Group& group, const char* name, int rank, std::uintmax_t bytes) {
+MatrixXd read_table(const H5::Group& group, const char* name, int rank, Room& room) {
   const H5::DataSet table = group.openDataSet(name);
   const H5::DataSpace space = table.getSpace();
   std::array<hsize_t, 2> size = {0, 1};
@@ -173,11 +179,12 @@ MatrixXd read_table(const H5::Group& group, const char* name, int rank, std::uin
   if (value_bytes > (kind == H5T_ENUM ? sizeof(std::int8_t) : kMaxValueBytes)) {
     throw BadInput(fmt::format("'{}' has values of {} bytes", name, value_bytes));
   }
-  const hsize_t most = std::min<hsize_t>(kMaxValues, bytes);
+  const hsize_t most = std::min<hsize_t>({kMaxValues, room.of_table, room.left});
   if (size[1] > 0 && size[0] > most / size[1]) {
     throw BadInput(fmt::format("'{}' claims {} x {} values, more than the file holds", name,
                                size[0], size[1]));
   }
+  room.left -= size[0] * size[1];
   MatrixXd values(static_cast<Index>(rank == 2 ? size[1] : size[0]),
                   static_cast<Index>(rank == 2 ? size[0] : 1));
   if (kind == H5T_ENUM) {
@@ -207,19 +214,18 @@ std::uint64_t read_seed(const H5::Group& group) {
   return static_cast<std::uint64_t>(value);
 }
 
-MinariEpisode read_episode(const H5::H5File& file, std::size_t number) {
+MinariEpisode read_episode(const H5::H5File& file, std::size_t number, Room& room) {
   const H5::Group group = file.openGroup(name_of(number));
-  const auto bytes = static_cast<std::uintmax_t>(file.getFileSize());
   MinariEpisode e;
-  e.observations = read_table(group, "observations", 2, bytes);
-  e.actions = read_table(group, "actions", 2, bytes);
-  e.rewards = read_table(group, "rewards", 1, bytes);
-  const MatrixXd ended = read_table(group, "terminations", 1, bytes);
+  e.observations = read_table(group, "observations", 2, room);
+  e.actions = read_table(group, "actions", 2, room);
+  e.rewards = read_table(group, "rewards", 1, room);
+  const MatrixXd ended = read_table(group, "terminations", 1, room);
   e.terminated = ended.size() > 0 && ended(ended.size() - 1) != 0;
   e.seed = read_seed(group);
   if (!group.nameExists("infos")) return e;
   const H5::Group infos = group.openGroup("infos");
-  if (infos.nameExists(kIntended)) e.infos[kIntended] = read_table(infos, kIntended, 2, bytes);
+  if (infos.nameExists(kIntended)) e.infos[kIntended] = read_table(infos, kIntended, 2, room);
   return e;
 }
 
@@ -281,7 +287,11 @@ MinariDataset read_minari(const std::filesystem::path& folder) {
   recording::with_hdf5(path, "no Minari dataset, or damaged", [&] {
     const H5::H5File file(path.string(), H5F_ACC_RDONLY);
     try {
-      for (std::size_t i = 0; i < count; ++i) dataset.episodes.push_back(read_episode(file, i));
+      const auto bytes = static_cast<std::uintmax_t>(file.getFileSize());
+      Room room{bytes, kMaxUnpacked * bytes};
+      for (std::size_t i = 0; i < count; ++i) {
+        dataset.episodes.push_back(read_episode(file, i, room));
+      }
       check(dataset);
     } catch (const BadInput& error) {
       throw BadInput(fmt::format("{}: {}", path.string(), error.what()));

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -11,6 +10,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
 #include "simulation/hand/hand_spec.hpp"
+#include "simulation/hand/warnings.hpp"
 #include "simulation/world/mesh_geom.hpp"
 
 namespace palpate::relocate {
@@ -24,16 +24,13 @@ constexpr const char* kObject = "relocated";
 constexpr std::array kTipGeoms = {"C_thdistal", "C_ffdistal", "C_mfdistal", "C_rfdistal",
                                   "C_lfdistal"};
 
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
-
 simulation::SpecHandle parse_hand() {
   const auto path = asset("adroit_hand/adroit_relocate.xml");
   std::array<char, 1000> error{};
   simulation::SpecHandle spec(mj_parseXML(path.c_str(), nullptr, error.data(), error.size()));
-  if (!spec) throw BadInput(fmt::format("{}: {}", path.string(), one_line(error.data())));
+  if (!spec) {
+    throw BadInput(fmt::format("{}: {}", path.string(), simulation::one_line(error.data())));
+  }
   return spec;
 }
 
@@ -197,8 +194,8 @@ RelocateScene compose_relocate_scene(const RelocateObject& object, const Relocat
   RelocateScene scene;
   scene.model.reset(mj_compile(spec.get(), nullptr));
   if (!scene.model) {
-    throw BadInput(
-        fmt::format("{} cannot be simulated: {}", object.name, one_line(mjs_getError(spec.get()))));
+    throw BadInput(fmt::format("{} cannot be simulated: {}", object.name,
+                               simulation::one_line(mjs_getError(spec.get()))));
   }
   scene.substeps = substeps(physics.solver);
   scale_friction(*scene.model, physics.friction_scale);

@@ -9,7 +9,8 @@ namespace palpate::geometry {
 
 /// Reads PLY (ascii, binary of either byte order), STL (ascii, binary) or OBJ, distinguished by
 /// content and extension, in the file's own units. Polygons are triangulated, an STL's equal
-/// vertices welded; properties other than positions and faces are skipped.
+/// vertices welded, and its solids read as one mesh; properties other than positions and faces are
+/// skipped.
 ///
 /// @throws BadInput, naming the file and the offending line or element: a file that is missing,
 ///         empty, truncated or of unknown format, a coordinate that is not finite, a face that

@@ -8,7 +8,8 @@
 namespace palpate::geometry {
 
 /// Reads a cloud: PLY, PCD (ascii, binary, binary_compressed), XYZ (lines of x y z [nx ny nz],
-/// blanks or commas between, comments after #) or OBJ; normals are taken where every point has one.
+/// blanks or commas between, comments after #) or OBJ; normals are taken where every point has one,
+/// in an XYZ only if they are unit vectors within 10 %.
 /// A mesh (PLY or OBJ with faces, STL) is sampled uniformly over its area, with its faces' normals.
 /// @param samples  of a mesh
 /// @throws BadInput, naming the file and line, as load_mesh()

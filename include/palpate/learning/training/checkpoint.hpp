@@ -19,6 +19,9 @@ struct Checkpoint {
 
   /// The array of that name. @throws BadInput if there is none
   const Eigen::MatrixXd& array(const std::string& name) const;
+  /// The array of that name, of one column. @param rows  that it must have; -1: any
+  /// @throws BadInput if there is none, or it has another size or a value that is not finite
+  Eigen::VectorXd column(const std::string& name, Eigen::Index rows = -1) const;
 };
 
 /// Writes a checkpoint atomically: whoever reads it finds a whole one, this or the one before.

@@ -85,16 +85,16 @@ class CemTrainer : public SearchTrainer {
 
   void restore(const learning::Checkpoint& checkpoint) override {
     state_.generation = checkpoint.iteration;
-    state_.mean = checkpoint.array("mean");
-    state_.spread = checkpoint.array("spread");
+    state_.mean = checkpoint.column("mean", state_.mean.size());
+    state_.spread = checkpoint.column("spread", state_.spread.size());
     episodes_.clear();
     if (checkpoint.arrays.contains("under_way")) go_on(checkpoint.array("under_way"));
     observer_.reset();
     if (!checkpoint.arrays.contains("observer_sizes")) return;
     observer_ = StructuredPolicy::Observer{
         numerics::Mlp(layer_sizes(checkpoint.array("observer_sizes").reshaped()),
-                      numerics::Activation::tanh, checkpoint.array("observer_parameters")),
-        checkpoint.array("observer_shift"), checkpoint.array("observer_scale")};
+                      numerics::Activation::tanh, checkpoint.column("observer_parameters")),
+        checkpoint.column("observer_shift"), checkpoint.column("observer_scale")};
   }
 
  private:

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "palpate/core/error.hpp"
@@ -36,11 +38,23 @@ class DaggerTrainer : public Trainer {
     state_.round = checkpoint.iteration;
     state_.observations = checkpoint.array("observations");
     state_.actions = checkpoint.array("actions");
+    check_samples(state_.observations, state_.actions);
     state_.student.reset();
     if (state_.round > 0) state_.student = restore_mlp(checkpoint);
   }
 
  private:
+  /// @throws BadInput unless they are the samples of a student, one a column
+  static void check_samples(const Eigen::MatrixXd& observations, const Eigen::MatrixXd& actions) {
+    const bool fit = observations.cols() == actions.cols() &&
+                     (observations.cols() == 0 || (observations.rows() == kRelocateObservations &&
+                                                   actions.rows() == kRelocateJoints));
+    if (fit && observations.allFinite() && actions.allFinite()) return;
+    throw BadInput(fmt::format("a checkpoint of {} x {} observations and {} x {} actions",
+                               observations.rows(), observations.cols(), actions.rows(),
+                               actions.cols()));
+  }
+
   TrainingContext context_;
   DaggerOptions options_;
   const Policy& expert_;

@@ -49,9 +49,10 @@ class NpgTrainer : public Trainer {
     state_.value.reset();
     if (!checkpoint.arrays.contains("value_sizes")) return;
     const auto sizes = layer_sizes(checkpoint.array("value_sizes").reshaped());
-    state_.value.emplace(sizes, numerics::Activation::relu, checkpoint.array("value_parameters"));
-    state_.value_shift = checkpoint.array("value_range")(0, 0);
-    state_.value_scale = checkpoint.array("value_range")(1, 0);
+    state_.value.emplace(sizes, numerics::Activation::relu, checkpoint.column("value_parameters"));
+    const Eigen::VectorXd range = checkpoint.column("value_range", 2);
+    state_.value_shift = range[0];
+    state_.value_scale = range[1];
   }
 
  private:
