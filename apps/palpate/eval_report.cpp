@@ -58,7 +58,7 @@ json summary_json(const ObjectSummary& summary) {
           {"false_hold", rate(summary.false_hold, summary.trials)},
           {"modes_median", median_or_null(summary.modes)},
           {"placed", rate(summary.place.placed, summary.trials)},
-          {"placed_of_certain", rate(summary.place.placed, summary.place.certain)},
+          {"placed_of_certain", rate(summary.place.certain_placed, summary.place.certain)},
           {"place", place_summary_json(summary.place, summary.trials)},
           {"phases", phases_json(summary.phases)},
           {"robot_seconds", quantiles_json(summary.robot_seconds)},

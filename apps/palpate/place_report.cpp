@@ -87,7 +87,7 @@ json means_json(const skills::StrategyTaken& strategy) {
           {"rounds", rounds}};
 }
 
-/// One line: the means, why, and what the first plan found.
+/// One line: the strategy, why, and what the first plan found.
 std::string means_text(const skills::StrategyTaken& strategy) {
   std::string text =
       fmt::format("strategy: {} ({})", skills::to_string(strategy.strategy), strategy.reason);
@@ -188,7 +188,7 @@ json place_summary_json(const evaluation::PlaceSummary& summary, std::size_t tri
   return {{"certain", rate(summary.certain, trials)},
           {"placed", rate(summary.placed, trials)},
           {"tight", rate(summary.tight, trials)},
-          {"tight_of_certain", rate(summary.tight, summary.certain)},
+          {"tight_of_certain", rate(summary.certain_tight, summary.certain)},
           {"wrong_of_certain", rate(summary.wrong, summary.certain)},
           {"dropped", rate(summary.dropped, trials)},
           {"in_stable_pose", rate(summary.in_stable_pose, trials)},
@@ -206,13 +206,13 @@ std::string place_heading(std::size_t width) {
 
 std::string place_row(const std::string& name, std::size_t width,
                       const evaluation::PlaceSummary& summary, std::size_t trials) {
-  return fmt::format("{:<{}} {:<18} {:<18} {:<18} {:<18} {:>11} {:>7} {:>7} {:>7} {:>7}   {}", name,
-                     width, rate_text(summary.certain, trials),
-                     rate_text(summary.tight, summary.certain), rate_text(summary.placed, trials),
-                     rate_text(summary.wrong, summary.certain), summary.in_stable_pose,
-                     summary.dropped, median_text(summary.final_error.rotation_deg),
-                     median_text(summary.final_error.translation_mm),
-                     median_text(summary.estimate_error.translation_mm), ends_text(summary.status));
+  return fmt::format(
+      "{:<{}} {:<18} {:<18} {:<18} {:<18} {:>11} {:>7} {:>7} {:>7} {:>7}   {}", name, width,
+      rate_text(summary.certain, trials), rate_text(summary.certain_tight, summary.certain),
+      rate_text(summary.placed, trials), rate_text(summary.wrong, summary.certain),
+      summary.in_stable_pose, summary.dropped, median_text(summary.final_error.rotation_deg),
+      median_text(summary.final_error.translation_mm),
+      median_text(summary.estimate_error.translation_mm), ends_text(summary.status));
 }
 
 std::string phases_table(const std::map<std::string, evaluation::PhaseSummary>& phases) {

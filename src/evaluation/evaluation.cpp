@@ -13,7 +13,6 @@
 namespace palpate::evaluation {
 namespace {
 
-constexpr double kSure = 0.9;
 constexpr double kCertainObject = 0.95;
 
 std::string failed_phase(const Trial& trial) {
@@ -39,7 +38,10 @@ void count_phases(const std::vector<skills::PhaseReport>& reports,
 void count_place(const Trial& trial, PlaceSummary& summary) {
   if (!trial.place) return;
   const PlaceMetrics& metrics = trial.place_metrics;
-  summary.certain += trial.place->certain && !trial.place->on_the_way;
+  const bool certain = trial.place->certain && !trial.place->on_the_way;
+  summary.certain += certain;
+  summary.certain_placed += certain && metrics.placed;
+  summary.certain_tight += certain && metrics.tight;
   summary.placed += metrics.placed;
   summary.tight += metrics.tight;
   summary.wrong += metrics.wrong;
@@ -109,7 +111,7 @@ void add_trial(const Trial& trial, ObjectSummary& summary) {
   const TrialMetrics& metrics = trial.metrics;
   ++summary.trials;
   summary.robot_seconds.push_back(trial.robot_seconds);
-  summary.confident_wrong += metrics.has_pose && !metrics.pose_ok && metrics.probability > kSure;
+  summary.confident_wrong += metrics.confident_wrong();
   count_phases(trial.result.phases, summary.phases);
   if (trial.place) count_phases(trial.place->phases, summary.phases);
   count_place(trial, summary.place);

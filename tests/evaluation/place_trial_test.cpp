@@ -7,6 +7,7 @@
 
 #include "evaluation/quick_options.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/evaluation/evaluation.hpp"
 #include "palpate/simulation/collision/forward_model.hpp"
 
 namespace palpate::evaluation {
@@ -91,6 +92,28 @@ TEST(PlaceTrial, WhatIsShakenOutOfTheHandIsDropped) {
   const auto trial = run_trial(box(), options, kSeed);
   ASSERT_TRUE(trial.place);
   EXPECT_TRUE(trial.place_metrics.dropped);
+}
+
+/// An object that was placed: within the tight bounds, or dropped.
+Trial placed_trial(bool certain, bool tight) {
+  Trial trial;
+  trial.place.emplace();
+  trial.place->certain = certain;
+  trial.place_metrics.placed = trial.place_metrics.tight = tight;
+  trial.place_metrics.wrong = certain && !tight;
+  return trial;
+}
+
+TEST(PlaceTrial, WhatIsPlacedWithoutCertaintyDoesNotCountAmongTheCertain) {
+  ObjectSummary summary;
+  for (const bool certain : {true, false, false}) add_trial(placed_trial(certain, true), summary);
+  add_trial(placed_trial(true, false), summary);
+  EXPECT_EQ(summary.place.placed, 3u);
+  EXPECT_EQ(summary.place.tight, 3u);
+  EXPECT_EQ(summary.place.certain, 2u);
+  EXPECT_EQ(summary.place.certain_placed, 1u);
+  EXPECT_EQ(summary.place.certain_tight, 1u);
+  EXPECT_EQ(summary.place.wrong, 1u);
 }
 
 TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {

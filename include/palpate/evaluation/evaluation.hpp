@@ -17,10 +17,11 @@ struct ErrorSummary {
 
 /// What became of placing, over all trials of an object.
 struct PlaceSummary {
-  std::size_t certain = 0;  ///< held, and known well enough to place
-  std::size_t placed = 0;   ///< within 5 deg and 10 mm of the target
-  std::size_t tight = 0;    ///< within 3 deg and 5 mm
-  std::size_t wrong = 0;    ///< certain, let go at the target, and not `placed`
+  std::size_t certain = 0;                            ///< held, and known well enough to place
+  std::size_t placed = 0;                             ///< within 5 deg and 10 mm of the target
+  std::size_t tight = 0;                              ///< within 3 deg and 5 mm
+  std::size_t certain_placed = 0, certain_tight = 0;  ///< these, of the certain
+  std::size_t wrong = 0;  ///< certain, let go at the target, and not `placed`
   std::size_t dropped = 0;
   std::size_t in_stable_pose = 0;  ///< the target's side is up at the end, wherever it stands
   std::map<std::string, std::size_t> status;  ///< how it ended, of the trials with a held object
