@@ -10,7 +10,6 @@
 
 #include "experiment.hpp"
 #include "moving_object.hpp"
-#include "palpate/core/angle.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/statistics.hpp"
@@ -160,8 +159,7 @@ struct Outcome {
 };
 
 bool near(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, const Subject& subject) {
-  const auto error = localization::pose_error(a, b, subject.model.object().symmetries);
-  return error.rotation < 5 * kDegree && error.translation < 0.01;
+  return localization::within(localization::pose_error(a, b, subject.model.object().symmetries));
 }
 
 /// Index of the draw that has most of all draws within tolerance, and their share.

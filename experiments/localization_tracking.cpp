@@ -30,10 +30,6 @@ struct Run {
   int slips_before = 0, slips_after = 0;  // found before and after the true one
 };
 
-bool within(const PoseError& error) {
-  return error.rotation < 5 * kDegree && error.translation < 0.01;
-}
-
 Posterior rough_start(const Eigen::Isometry3d& truth, RandomStream& random) {
   Posterior start;
   Mode mode;

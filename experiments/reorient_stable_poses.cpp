@@ -105,7 +105,7 @@ std::vector<std::string> row_of(const Change& change, const std::vector<Outcome>
   std::map<std::string, int> ends;
   for (const Outcome& outcome : outcomes) {
     changed += outcome.in_stable_pose;
-    placed += outcome.error.rotation < 5 * kDegree && outcome.error.translation < 0.01;
+    placed += localization::within(outcome.error);
     done += outcome.result.status == RegraspStatus::done;
     rounds.push_back(static_cast<double>(outcome.result.rounds.size()));
     robot_seconds.push_back(outcome.robot_seconds);

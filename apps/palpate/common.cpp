@@ -3,13 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
 #include <sstream>
 
+#include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/plausible.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/simulation/world/world.hpp"
@@ -84,8 +87,9 @@ std::string config_header(const CommonOptions& common) {
 Eigen::Isometry3d parse_pose(const std::string& argument) {
   std::string text = argument;
   std::error_code error;
-  const bool is_file = std::filesystem::is_regular_file(argument, error);
-  if (is_file) text = read_file(argument);
+  const bool is_file = std::filesystem::exists(argument, error) &&
+                       !std::filesystem::is_directory(argument, error);  // a pipe, too
+  if (is_file) text = without_byte_order_mark(read_file(argument));
   for (char& c : text) c = c == ',' || c == '[' || c == ']' ? ' ' : c;
   std::istringstream in(text);
   std::array<double, 16> values{};
@@ -98,7 +102,9 @@ Eigen::Isometry3d parse_pose(const std::string& argument) {
                                is_file ? "does not hold" : "is neither a file nor"));
   }
   try {
-    return pose_from_row_major(values);
+    const Eigen::Isometry3d T = pose_from_row_major(values);
+    check_plausible(T.translation(), kMaxCoordinate, "a coordinate");
+    return T;
   } catch (const BadInput& bad) {
     throw BadInput(fmt::format("{}: {}", argument, bad.what()));
   }
@@ -108,6 +114,11 @@ nlohmann::json to_json(const Eigen::Isometry3d& T) { return pose_to_row_major(T)
 
 std::string json_text(const nlohmann::json& value, int indent) {
   return value.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string in_file_name(std::string name) {
+  std::ranges::replace(name, '/', '_');
+  return name;
 }
 
 void print_json(const nlohmann::json& value) { fmt::print("{}", json_text(value)); }

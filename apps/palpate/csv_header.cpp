@@ -7,11 +7,6 @@
 
 namespace palpate::app {
 
-std::string_view without_byte_order_mark(std::string_view text) {
-  constexpr std::string_view kMark = "\xEF\xBB\xBF";
-  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
-}
-
 std::string_view csv_header(std::string_view text) {
   text = without_byte_order_mark(text);
   while (!text.empty()) {

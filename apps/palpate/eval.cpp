@@ -4,23 +4,21 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdio>
+#include <memory>
+#include <optional>
 
-#include "common.hpp"
+#include "eval_arguments.hpp"
 #include "eval_faults.hpp"
 #include "eval_output.hpp"
 #include "eval_report.hpp"
 #include "fingerprint.hpp"
 #include "given_command.hpp"
 #include "hand_option.hpp"
-#include "live_view.hpp"
 #include "manifest.hpp"
-#include "object_option.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/evaluation/evaluation.hpp"
-#include "palpate/geometry/objects/generated_shape.hpp"
 #include "place_report.hpp"
 #include "progress_bar.hpp"
 #include "terminal.hpp"
@@ -30,39 +28,6 @@ namespace palpate::app {
 namespace {
 
 using nlohmann::json;
-
-/// A share of all trials, by their number over all objects.
-struct Shard {
-  std::size_t number = 1, count = 1;
-
-  [[nodiscard]] bool has(std::size_t trial) const { return trial % count == number - 1; }
-};
-
-/// @throws BadInput unless it is I/N, 1 <= I <= N
-Shard parse_shard(const std::string& text) {
-  std::size_t number = 0, count = 0;
-  char end = 0;
-  const int read = std::sscanf(text.c_str(), "%zu/%zu%c", &number, &count, &end);
-  if (read != 2 || number < 1 || number > count || count > 1'000'000) {
-    throw BadInput(fmt::format("--shard {}: it is I/N with 1 <= I <= N, as in 3/16", text));
-  }
-  return {number, count};
-}
-
-struct EvalArguments {
-  CommonOptions common;
-  bool resume = false;
-  std::vector<std::string> objects = {"mug", "bottle", "box", "bracket", "duck"};
-  std::size_t trials = 30;
-  std::vector<std::string> candidates;
-  ObjectArguments known;
-  std::string place, hand, arm;
-  std::vector<std::string> faults;
-  bool campaign = false;
-  std::string shard_text;
-  Shard shard;
-  LiveOption live;
-};
 
 /// One trial at a time for those who watch: the next that begins once the one before has ended.
 class WatchedTrials {
@@ -197,17 +162,6 @@ std::string next_of(const EvalArguments& arguments) {
   return repetition_text(repetition_of(arguments));
 }
 
-/// A target is that of an object which is known.
-void check_candidates(const EvalArguments& arguments) {
-  if (arguments.candidates.empty() || arguments.place.empty()) return;
-  if (arguments.candidates.size() == 1 && arguments.objects.size() == 1 &&
-      is_same_object(arguments.candidates.front(), arguments.objects.front())) {
-    return;
-  }
-  throw BadInput(fmt::format("--candidates {} cannot be combined with --place {}",
-                             fmt::join(arguments.candidates, ","), arguments.place));
-}
-
 int run_campaign(EvalArguments arguments) {
   if (!arguments.place.empty() || !arguments.shard_text.empty() || arguments.known.mass ||
       !arguments.known.at.empty() || arguments.known.units != "m" ||
@@ -225,86 +179,127 @@ int run_campaign(EvalArguments arguments) {
                      arguments.resume);
 }
 
-/// @throws BadInput for options that do not go together
-void check_options(const EvalArguments& arguments) {
-  if (arguments.shard.count > 1 && arguments.common.out.empty()) {
-    throw BadInput("--shard needs --out: `palpate merge` reads what it writes there");
-  }
-  if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
-    throw BadInput("--resume needs the --out of an evaluation, and no --force");
-  }
-  const auto records = std::filesystem::path(arguments.common.out) / "trials.jsonl";
-  if (arguments.resume && !std::filesystem::exists(records)) {
-    throw BadInput(fmt::format("{}: there is no evaluation to go on with", records.string()));
-  }
-}
-
-int eval(EvalArguments arguments) {
-  if (arguments.campaign) return run_campaign(std::move(arguments));
-  if (!arguments.shard_text.empty()) arguments.shard = parse_shard(arguments.shard_text);
-  check_options(arguments);
-  arguments.objects = geometry::expand_object_names(arguments.objects);
-  require_distinct(arguments.objects);  // its trials would count twice
-  arguments.candidates = geometry::expand_object_names(arguments.candidates);
-  auto given = arguments.objects;
-  given.insert(given.end(), arguments.candidates.begin(), arguments.candidates.end());
-  require_mesh_file(given, arguments.known.units);
-  check_candidates(arguments);
+evaluation::TrialOptions options_of(const EvalArguments& arguments) {
   auto options = resolve_trial(arguments.common, arguments.hand, arguments.arm);
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
   apply_place(arguments.known, arguments.common.set, options.start);
-  std::optional<Notice> notice(std::in_place, "preparing the objects", arguments.common.quiet);
-  std::vector<geometry::KnownObject> objects(arguments.objects.size());
-  parallel_for(objects.size(), arguments.common.threads, [&](std::size_t i) {
-    objects[i] = load_object(arguments.objects[i], arguments.known);
+  return options;
+}
+
+/// What stands there in the trials, and what the robot takes it for.
+struct EvalObjects {
+  std::vector<geometry::KnownObject> present;
+  CandidateObjects candidates;
+};
+
+/// @throws BadInput for what cannot be, before anything is printed or written, moves or is lost
+EvalObjects prepare_objects(const EvalArguments& arguments,
+                            const evaluation::TrialOptions& options) {
+  const Notice notice("preparing the objects", arguments.common.quiet);
+  EvalObjects objects;
+  objects.present.resize(arguments.objects.size());
+  parallel_for(objects.present.size(), arguments.common.threads, [&](std::size_t i) {
+    objects.present[i] = load_object(arguments.objects[i], arguments.known);
   });
-  const CandidateObjects known = load_objects(arguments.candidates, arguments.known);
-  // What cannot be is named before anything moves, and before earlier results are lost.
-  for (const auto& object : objects) {
+  objects.candidates = load_objects(arguments.candidates, arguments.known);
+  for (const auto& object : objects.present) {
     evaluation::check_trial(object, options, arguments.common.seed);
   }
-  // What the simulator refuses is said before anything is printed or written.
-  const simulation::World probe(objects.front(), options.world, arguments.common.seed);
-  notice.reset();
-  std::optional<EvalOutput> output;
-  const EvalPlan plan = plan_of(arguments, options, objects, known);
-  if (!arguments.common.out.empty()) {
-    output.emplace(arguments.common, options, plan,
-                   fmt::format("{}/{}", arguments.shard.number, arguments.shard.count));
-  }
-  WatchedTrials watched(arguments.live.open(arguments.common.quiet));
-  EvalReport report(plan, arguments.common.json);
+  // The simulator, too, refuses some.
+  const simulation::World probe(objects.present.front(), options.world, arguments.common.seed);
+  return objects;
+}
+
+std::vector<evaluation::EvaluatedObject> evaluated_objects(const EvalArguments& arguments,
+                                                           const EvalObjects& objects) {
   std::vector<evaluation::EvaluatedObject> evaluated;
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    evaluated.push_back({&objects[i], own_trials(arguments, i), known.find(arguments.objects[i])});
+  for (std::size_t i = 0; i < objects.present.size(); ++i) {
+    evaluated.push_back({&objects.present[i], own_trials(arguments, i),
+                         objects.candidates.find(arguments.objects[i])});
   }
-  EvalProgress progress(evaluated, arguments);
-  const std::uint64_t seed = arguments.common.seed;
-  evaluation::EvaluationHooks hooks;
-  hooks.finished = [&](evaluation::TrialId id) {
-    return output ? output->find(arguments.objects[id.object], seed + id.number) : std::nullopt;
-  };
-  hooks.sink = [&](evaluation::TrialId id) {
-    return watched.begin(objects[id.object], options, seed + id.number);
-  };
-  hooks.trial = [&](evaluation::TrialId id, const evaluation::Trial& trial) {
-    progress.count();
-    report.add(trial);
-    if (output) output->add(arguments.objects[id.object], seed + id.number, trial);
-  };
-  hooks.object = [&](std::size_t object, const auto& summary) {
-    progress.end();
-    report.end_object(summary);
-    progress.begin(object + 1);
-  };
-  evaluation::evaluate(evaluated, options, seed, arguments.common.threads, hooks,
-                       known.candidates());
-  const json summary = report.finish();
-  if (output) output->finish(summary);
-  if (output && !arguments.common.json) {
-    fmt::print("wrote {}: eval.json, config.toml, trials.csv, trials.jsonl\n",
-               arguments.common.out);
+  return evaluated;
+}
+
+std::unique_ptr<EvalOutput> open_output(const EvalArguments& arguments,
+                                        const evaluation::TrialOptions& options,
+                                        const EvalPlan& plan) {
+  if (arguments.common.out.empty()) return nullptr;
+  return std::make_unique<EvalOutput>(
+      arguments.common, options, plan,
+      fmt::format("{}/{}", arguments.shard.number, arguments.shard.count));
+}
+
+/// Writes, prints and shows what becomes of the trials.
+class EvalFollower {
+ public:
+  /// All are kept by reference.
+  EvalFollower(const EvalArguments& arguments, const evaluation::TrialOptions& options,
+               const EvalObjects& objects,
+               const std::vector<evaluation::EvaluatedObject>& evaluated)
+      : arguments_(arguments),
+        options_(options),
+        objects_(objects),
+        plan_(plan_of(arguments, options, objects.present, objects.candidates)),
+        output_(open_output(arguments, options, plan_)),
+        watched_(arguments.live.open(arguments.common.quiet)),
+        report_(plan_, arguments.common.json),
+        progress_(evaluated, arguments) {}
+
+  evaluation::EvaluationHooks hooks() {
+    evaluation::EvaluationHooks hooks;
+    hooks.finished = [this](evaluation::TrialId id) {
+      return output_ ? output_->find(name_of(id), seed_of(id)) : std::nullopt;
+    };
+    hooks.sink = [this](evaluation::TrialId id) {
+      return watched_.begin(objects_.present[id.object], options_, seed_of(id));
+    };
+    hooks.trial = [this](evaluation::TrialId id, const evaluation::Trial& trial) {
+      progress_.count();
+      report_.add(trial);
+      if (output_) output_->add(name_of(id), seed_of(id), trial);
+    };
+    hooks.object = [this](std::size_t object, const auto& summary) {
+      progress_.end();
+      report_.end_object(summary);
+      progress_.begin(object + 1);
+    };
+    return hooks;
   }
+
+  /// All trials have ended.
+  void finish() {
+    const json summary = report_.finish();
+    if (output_) output_->finish(summary);
+    if (output_ && !arguments_.common.json) {
+      fmt::print("wrote {}: eval.json, config.toml, trials.csv, trials.jsonl\n",
+                 arguments_.common.out);
+    }
+  }
+
+ private:
+  const std::string& name_of(evaluation::TrialId id) const { return arguments_.objects[id.object]; }
+  std::uint64_t seed_of(evaluation::TrialId id) const { return arguments_.common.seed + id.number; }
+
+  const EvalArguments& arguments_;
+  const evaluation::TrialOptions& options_;
+  const EvalObjects& objects_;
+  EvalPlan plan_;
+  std::unique_ptr<EvalOutput> output_;
+  WatchedTrials watched_;
+  EvalReport report_;
+  EvalProgress progress_;
+};
+
+int eval(EvalArguments arguments) {
+  if (arguments.campaign()) return run_campaign(std::move(arguments));
+  complete(arguments);
+  const auto options = options_of(arguments);
+  const EvalObjects objects = prepare_objects(arguments, options);
+  const auto evaluated = evaluated_objects(arguments, objects);
+  EvalFollower follower(arguments, options, objects, evaluated);
+  evaluation::evaluate(evaluated, options, arguments.common.seed, arguments.common.threads,
+                       follower.hooks(), objects.candidates.candidates());
+  follower.finish();
   print_next(arguments.common, next_of(arguments));
   return kDone;
 }
@@ -314,42 +309,7 @@ int eval(EvalArguments arguments) {
 void add_eval(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<EvalArguments>();
   auto& command = *program.add_subcommand("eval", "Repeat the pick over seeds and report rates");
-  command
-      .add_option("--object", arguments->objects,
-                  "built-in objects, mesh files, generated:SEED or generated:A-B")
-      ->delimiter(',')
-      ->type_name("O[,O2..]")
-      ->capture_default_str();
-  command.add_option("--trials", arguments->trials, "picks per object")
-      ->check(in_range(1, 1000000))
-      ->capture_default_str();
-  command.add_flag("--resume", arguments->resume,
-                   "continue the evaluation in DIR, and refuse to start a new one");
-  command
-      .add_option("--shard", arguments->shard_text,
-                  "run only shard I of N of the trials, for `palpate merge`")
-      ->option_text("I/N");
-  auto* const faults =
-      command
-          .add_option(
-              "--faults", arguments->faults,
-              "repeat the picks with each of these faults of the hand, injected at a random "
-              "time, and with none; without a list, with all faults (docs/safety.md)")
-          ->delimiter(',')
-          ->type_name("KIND[,KIND2..]")
-          ->expected(0, 100);
-  add_place_option(command, arguments->place);
-  command
-      .add_option("--candidates", arguments->candidates,
-                  "up to 10 objects among which the robot identifies the one present, or none "
-                  "(default: the object is known)")
-      ->delimiter(',')
-      ->option_text("O,O2..");
-  add_object_options(command, arguments->known);
-  add_hand_option(command, arguments->hand);
-  add_arm_option(command, arguments->arm);
-  add_live_option(command, arguments->live);
-  add_common_options(command, arguments->common);
+  add_eval_arguments(command, *arguments);
   command.footer(
       "Trial i of every object has the seed SEED + i. With --out it writes eval.json,\n"
       "config.toml, manifest.json (program, commit, machine, configuration) and, as they finish,\n"
@@ -367,10 +327,7 @@ void add_eval(CLI::App& program, Command& chosen) {
       "  palpate eval --arm ur10 --object mug,box --trials 5 --seed 9000\n"
       "  palpate eval --trials 100 --seed 9000 --shard 3/16 --out part3\n"
       "  palpate eval --object box --place stable_pose --trials 10 --seed 9000");
-  command.callback([arguments, faults, &chosen] {
-    arguments->campaign = faults->count() > 0;
-    chosen = [arguments] { return eval(*arguments); };
-  });
+  command.callback([arguments, &chosen] { chosen = [arguments] { return eval(*arguments); }; });
 }
 
 }  // namespace palpate::app

@@ -36,11 +36,13 @@ EvalOutput::EvalOutput(const CommonOptions& common, const evaluation::TrialOptio
 }
 
 std::filesystem::path EvalOutput::begin() const {
-  const auto path = folder_.path() / "trials.jsonl", rows = folder_.path() / "trials.csv";
+  const auto path = folder_.path() / "trials.jsonl";
   if (std::filesystem::exists(path)) return path;
-  if (std::filesystem::exists(rows)) {
-    throw BadInput(fmt::format(
-        "{} is of another run: --force overwrites it, another --out keeps it", rows.string()));
+  for (const std::string& name : removed_by_force(true)) {
+    if (!std::filesystem::exists(folder_.path() / name)) continue;
+    throw BadInput(
+        fmt::format("{} is of another run: --force overwrites it, another --out keeps it",
+                    (folder_.path() / name).string()));
   }
   return path;
 }

@@ -136,8 +136,8 @@ std::vector<fs::path> draw_postures(const hand::Description& hand, const fs::pat
   picture("closed", postures.top.closed, postures.top.attitudes.front());
   picture("flat", postures.flat.positions, postures.flat.attitude);
   for (const auto& pointing : postures.pointing) {
-    picture("pointing-" + hand.fingers[static_cast<std::size_t>(pointing.finger)].name,
-            pointing.positions, pointing.attitude);
+    const auto& finger = hand.fingers[static_cast<std::size_t>(pointing.finger)];
+    picture(in_file_name("pointing-" + finger.name), pointing.positions, pointing.attitude);
   }
   return files;
 }

@@ -29,10 +29,11 @@ bool is_name(std::string_view text, std::string_view name) {
 }
 
 /// Whether an authority (HOST:PORT) is this machine's.
-bool is_here(std::string_view authority, int port) {
-  constexpr std::array<std::string_view, 2> kNames = {"127.0.0.1", "localhost"};
-  return std::ranges::any_of(kNames, [&](std::string_view name) {
-    return authority == fmt::format("{}:{}", name, port) || (port == 80 && authority == name);
+bool is_here(std::string_view authority, const ServerSide& side) {
+  const std::array<std::string_view, 3> names = {"127.0.0.1", "localhost", side.host};
+  return std::ranges::any_of(names, [&](std::string_view name) {
+    return authority == fmt::format("{}:{}", name, side.port) ||
+           (side.port == 80 && authority == name);
   });
 }
 
@@ -57,7 +58,7 @@ bool same(std::string_view a, std::string_view b) {
 /// Whether the request may have the page at all.
 bool may_see(const HttpRequest& request, const ServerSide& side) {
   if (request.origin && *request.origin != fmt::format("http://{}", *request.host)) return false;
-  if (side.token.empty()) return is_here(*request.host, side.port);
+  if (side.token.empty()) return is_here(*request.host, side);
   return same(parameter(request.query, "token"), side.token);
 }
 

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <map>
 #include <optional>
-#include <thread>
 
-#include "common.hpp"
 #include "given_command.hpp"
+#include "localize_arguments.hpp"
 #include "localize_demo.hpp"
 #include "localize_evidence.hpp"
 #include "localize_report.hpp"
@@ -55,16 +52,6 @@ struct LocalizeOptions {
     v.section("fast", fast);
     v.section("identify", identify);
   }
-};
-
-struct LocalizeArguments {
-  CommonOptions common;
-  std::string mesh, contacts;
-  std::string method = "fast";
-  bool demo = false, ignore_spin = false;
-  double point_noise = 0.001, normal_noise_deg = 10;
-  std::optional<double> table;
-  std::string free, planes, prior, units = "m";
 };
 
 std::vector<tactile::Contact> flipped(std::vector<tactile::Contact> contacts) {
@@ -124,12 +111,6 @@ std::vector<lo::CommonModeBias> offsets_of_grasps(const std::vector<tactile::Con
     if (rms > 0) offsets.push_back(std::move(offset));
   }
   return offsets;
-}
-
-/// MESH or MESH,MESH..; a file may have commas in its name.
-std::vector<std::string> names_of(const std::string& meshes) {
-  if (std::filesystem::exists(meshes)) return {meshes};
-  return CLI::detail::split(meshes, ',');
 }
 
 /// Read once: the file may be a pipe.
@@ -217,7 +198,7 @@ LocalizeResult solve(const LocalizeArguments& arguments, const LocalizeOptions& 
   LocalizeResult result;
   result.method = arguments.method;
   result.ignore_spin = arguments.ignore_spin;
-  result.names = names_of(arguments.mesh);
+  result.names = mesh_names(arguments.mesh);
   if (result.names.size() > 1 && !arguments.prior.empty()) {
     throw BadInput(fmt::format("--prior {} is of one MESH, {} are given", arguments.prior,
                                result.names.size()));
@@ -243,14 +224,13 @@ void print_next_of(const LocalizeArguments& arguments, const CLI::App& command,
   if (result.names.size() > 1) return;
   const std::string& out = arguments.common.out;
   if (!out.empty()) {
-    print_next(arguments.common,
-               fmt::format("palpate localize {} MORE_CONTACTS --prior {}/report.json",
-                           arguments.mesh, out));
+    print_next(arguments.common, fmt::format("palpate localize {} MORE_CONTACTS --prior {}",
+                                             quoted(arguments.mesh), quoted(out + "/report.json")));
   } else if (result.posterior.status != lo::PoseStatus::no_pose) {
-    print_next(
-        arguments.common,
-        fmt::format("{} --out out/localize-{} writes the poses, which --prior reads",
-                    given_command(command), std::filesystem::path(arguments.mesh).stem().string()));
+    const std::string folder =
+        "out/localize-" + std::filesystem::path(arguments.mesh).stem().string();
+    print_next(arguments.common, fmt::format("{} --out {} writes the poses, which --prior reads",
+                                             given_command(command), quoted(folder)));
   }
 }
 
@@ -275,11 +255,23 @@ int localize(const LocalizeArguments& arguments, const CLI::App& command) {
   return result.posterior.status == lo::PoseStatus::no_pose ? kNoSolution : kDone;
 }
 
-/// Whether the demonstration has an option's effect.
-bool is_of_demo(const std::string& option) {
-  constexpr std::array kNames = {"--seed", "--threads", "--out", "--force", "--json", "--quiet"};
-  return std::find(kNames.begin(), kNames.end(), option) != kNames.end();
-}
+constexpr const char* kLocalizeFooter =
+    "Statuses: certain (the probability of one pose is above 0.95), ambiguous (the modes list "
+    "the\n"
+    "possible poses), no_pose (no pose explains the contacts; exit code 4).\n"
+    "A mode's pose maps the mesh's own coordinates, in metres, into the contacts' frame; its\n"
+    "covariance is of [rotation; translation] in that frame, rad and m. A mode with a free axis\n"
+    "stands for all turns about that axis by up to its extent to either side.\n\n"
+    "Examples:\n"
+    "  palpate localize mug contacts.csv\n"
+    "  palpate localize mug,box,part.ply contacts.csv\n"
+    "  palpate localize part.ply contacts.csv --method full --json\n"
+    "  palpate localize box contacts.csv --point-noise 0.002 --normal-noise-deg 15\n"
+    "  palpate localize mug contacts.csv --set hand_offset=0.002   # contacts of one t: one "
+    "grasp\n"
+    "  palpate localize box contacts.csv --table 0 --free swept.csv\n"
+    "  palpate localize box more.csv --prior before.json\n"
+    "  palpate localize --demo --out demo";
 
 }  // namespace
 
@@ -289,100 +281,10 @@ void add_localize(CLI::App& program, Command& chosen) {
   auto arguments = std::make_shared<LocalizeArguments>();
   auto& command = *program.add_subcommand(
       "localize", "Estimate the pose of a known object from contacts, with a posterior");
-  command.add_flag("--demo", arguments->demo,
-                   "instead, grasp the built-in objects with a kinematic hand and report how "
-                   "many contacts determine their poses; on all processors, or --threads of them");
-  command
-      .add_option(
-          "mesh", arguments->mesh,
-          "built-in object (mug, bottle, box, bracket, duck), generated:SEED, or mesh file; of "
-          "several, separated by commas, the most probable one is identified as well")
-      ->option_text("MESH[,MESH..]");
-  command
-      .add_option(
-          "contacts", arguments->contacts,
-          "CSV with x,y,z[,nx,ny,nz,point_sigma,normal_sigma,group,finger,t,fx,fy,fz] in metres, "
-          "normals pointing out of the object; at least one contact of a group touches")
-      ->option_text("CONTACTS");
-  add_units_option(command, arguments->units);
-  command
-      .add_option("--method", arguments->method,
-                  "for one MESH: fast (falls back to full if several poses fit) or full")
-      ->check(CLI::IsMember({"fast", "full"}))
-      ->capture_default_str();
-  command
-      .add_option("--point-noise", arguments->point_noise,
-                  "standard deviation of contact points per axis, m")
-      ->option_text("M")
-      ->check(in_range(1e-5, lo::kMaxPointNoise))
-      ->capture_default_str();
-  command
-      .add_option("--normal-noise-deg", arguments->normal_noise_deg,
-                  "standard deviation of contact normals per tangent axis, deg")
-      ->option_text("DEG")
-      ->check(in_range(0.1, 90.0))
-      ->capture_default_str();
-  command
-      .add_option("--table", arguments->table,
-                  "the object rests on a table at this height in the contacts' frame, z up, m")
-      ->option_text("Z")
-      ->check(in_range(-100.0, 100.0));
-  command
-      .add_option("--free", arguments->free,
-                  "CSV of what is known to be free of the object, m: balls x,y,z,radius, or the "
-                  "voxels x,y,z,size of a grid")
-      ->option_text("FILE");
-  command
-      .add_option("--planes", arguments->planes,
-                  "CSV of planes on which the held object was let down until it touched, in the "
-                  "contacts' frame: nx,ny,nz,height[,sigma], normal to the object's side, m")
-      ->option_text("FILE");
-  command
-      .add_option("--prior", arguments->prior,
-                  "use the posterior of an earlier localize --json for the same MESH as prior")
-      ->option_text("FILE");
-  command.add_flag("--ignore-spin", arguments->ignore_spin,
-                   "ignore turns about a mode's free axis: its probability is then its weight");
-  add_common_options(command, arguments->common);
-  command.footer(
-      "Statuses: certain (the probability of one pose is above 0.95), ambiguous (the modes list "
-      "the\n"
-      "possible poses), no_pose (no pose explains the contacts; exit code 4).\n"
-      "A mode's pose maps the mesh's own coordinates, in metres, into the contacts' frame; its\n"
-      "covariance is of [rotation; translation] in that frame, rad and m. A mode with a free axis\n"
-      "stands for all turns about that axis by up to its extent to either side.\n\n"
-      "Examples:\n"
-      "  palpate localize mug contacts.csv\n"
-      "  palpate localize mug,box,part.ply contacts.csv\n"
-      "  palpate localize part.ply contacts.csv --method full --json\n"
-      "  palpate localize box contacts.csv --point-noise 0.002 --normal-noise-deg 15\n"
-      "  palpate localize mug contacts.csv --set hand_offset=0.002   # contacts of one t: one "
-      "grasp\n"
-      "  palpate localize box contacts.csv --table 0 --free swept.csv\n"
-      "  palpate localize box more.csv --prior before.json\n"
-      "  palpate localize --demo --out demo");
+  add_localize_arguments(command, *arguments);
+  command.footer(kLocalizeFooter);
   command.callback([arguments, &command, &chosen] {
-    for (const CLI::Option* option : command.get_options()) {
-      if (option->count() == 0 || option->get_name() == "--demo") continue;
-      if (arguments->demo && !is_of_demo(option->get_name())) {
-        throw CLI::ExcludesError("--demo", option->get_name());
-      }
-      if (!arguments->demo && option->get_name() == "--threads") {
-        throw CLI::RequiresError("--threads", "--demo");
-      }
-    }
-    if (arguments->demo && command.count("--threads") == 0) {
-      arguments->common.threads =
-          std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-    }
-    if (command.count("--method") > 0 && names_of(arguments->mesh).size() > 1) {
-      throw CLI::ValidationError("--method", "goes with one MESH; of several it is full");
-    }
-    if (!arguments->demo && arguments->contacts.empty()) {
-      if (!arguments->mesh.empty()) throw CLI::RequiredError("CONTACTS");
-      throw CLI::RequiredError("MESH and CONTACTS, or --demo, are required",
-                               CLI::ExitCodes::RequiredError);
-    }
+    check_localize_arguments(command, *arguments);
     chosen = [arguments, &command] { return localize(*arguments, command); };
   });
 }

@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 #include <optional>
 
 #include "given_command.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/parallel.hpp"
+#include "palpate/localization/posterior.hpp"
 #include "palpate/localization/synthetic/grasp_scene.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
@@ -76,7 +76,7 @@ Share search(const geometry::ObjectModel& model, const lo::GraspScene& scene,
   if (posterior.modes.empty()) return {};
   const auto& best = posterior.modes.front();
   const auto error = lo::pose_error(best.T_frame_object, scene.truth, model.object().symmetries);
-  const bool right = error.rotation < 5 * std::numbers::pi / 180 && error.translation < 0.01;
+  const bool right = lo::within(error);
   return {right ? 1.0 : 0.0, lo::pose_probability(best)};
 }
 

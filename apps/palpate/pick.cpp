@@ -17,9 +17,8 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/version.hpp"
-#include "palpate/evaluation/belief_recorder.hpp"
 #include "palpate/evaluation/trial.hpp"
-#include "palpate/recording/writer.hpp"
+#include "pick_recording.hpp"
 #include "pick_report.hpp"
 #include "place_report.hpp"
 #include "replay_file.hpp"
@@ -87,12 +86,40 @@ std::string names_header(const PickArguments& arguments) {
   return text;
 }
 
+/// Of the objects that it may be, as they were given.
+std::string names_of(const PickArguments& arguments) {
+  return fmt::format("{}", fmt::join(arguments.objects, ","));
+}
+
+/// The objects that it may be, and the one that stands there.
+struct PickObjects {
+  CandidateObjects candidates;
+  std::size_t truth = 0;                       ///< index of what stands there
+  std::optional<geometry::ObjectModel> other;  ///< that, if it is none of the candidates
+
+  [[nodiscard]] const geometry::ObjectModel& present() const {
+    return other ? *other : candidates.models[truth];
+  }
+  [[nodiscard]] bool known() const { return candidates.models.size() == 1 && !other; }
+};
+
+PickObjects load_pick_objects(const PickArguments& arguments) {
+  PickObjects objects{load_objects(arguments.objects, arguments.known), true_index(arguments), {}};
+  if (objects.truth == objects.candidates.names.size()) {
+    objects.other.emplace(load_object(arguments.true_object, arguments.known));
+  }
+  return objects;
+}
+
 /// What was done to the mesh files so that they are closed, by their names.
-nlohmann::json repairs_json(const CandidateObjects& objects) {
+nlohmann::json repairs_json(const PickArguments& arguments, const PickObjects& objects) {
   auto all = nlohmann::json::object();
-  for (std::size_t i = 0; i < objects.models.size(); ++i) {
-    const auto& repairs = objects.models[i].object().repairs;
-    if (!repairs.empty()) all[objects.names[i]] = repairs;
+  for (std::size_t i = 0; i < objects.candidates.models.size(); ++i) {
+    const auto& repairs = objects.candidates.models[i].object().repairs;
+    if (!repairs.empty()) all[objects.candidates.names[i]] = repairs;
+  }
+  if (objects.other && !objects.other->object().repairs.empty()) {
+    all[arguments.true_object] = objects.other->object().repairs;
   }
   return all;
 }
@@ -112,87 +139,95 @@ skills::PhaseObserver phase_printer(const CommonOptions& common) {
           }};
 }
 
-int pick(const PickArguments& arguments) {
-  const CommonOptions& common = arguments.common;
-  auto options = resolve_trial(common, arguments.hand, arguments.arm);
+/// @throws BadInput for arguments that do not go together
+evaluation::TrialOptions options_of(const PickArguments& arguments) {
+  auto options = resolve_trial(arguments.common, arguments.hand, arguments.arm);
   if (arguments.explore) {
     options.pick.explore.touches = *arguments.explore;
     options.pick.explore.max_touches = *arguments.explore;
   }
   if (!arguments.place.empty()) options.place.target = place_text(arguments.place);
-  apply_place(arguments.known, common.set, options.start);
+  apply_place(arguments.known, arguments.common.set, options.start);
   check_target(arguments, options.place.target);
   auto given = arguments.objects;
   if (!arguments.true_object.empty()) given.push_back(arguments.true_object);
   require_mesh_file(given, arguments.known.units);
-  const std::string names = fmt::format("{}", fmt::join(arguments.objects, ","));
-  std::optional<Notice> notice(std::in_place, "preparing " + names, common.quiet);
-  const CandidateObjects objects = load_objects(arguments.objects, arguments.known);
-  const std::size_t truth = true_index(arguments);
-  std::optional<geometry::ObjectModel> other;
-  if (truth == objects.names.size()) {
-    other.emplace(load_object(arguments.true_object, arguments.known));
-  }
-  const geometry::ObjectModel& object = other ? *other : objects.models[truth];
-  evaluation::check_trial(object.object(), options, common.seed);  // bad ones are named first
-  const bool sensor_reported_errors = options.touch.from_biotacs();
+  return options;
+}
+
+/// @throws BadInput for what the simulator refuses
+recording::RecordingHeader header_of(const PickArguments& arguments,
+                                     const evaluation::TrialOptions& options,
+                                     const geometry::KnownObject& object) {
+  const CommonOptions& common = arguments.common;
   const std::string config = config_header(common) + names_header(arguments) + to_toml(options);
+  const simulation::World world(object, options.world, common.seed);
+  return {std::string(version()), common.seed, object,
+          world.hand_model(),     config,      options.touch.from_biotacs()};
+}
+
+/// Writes what a pick leaves in its folder beside the recording. @return report.json
+nlohmann::json write_results(const PickArguments& arguments, const PickObjects& objects,
+                             const evaluation::Trial& trial, const std::string& config,
+                             const std::string& title) {
+  const fs::path folder = output_folder(arguments);
+  write_file_atomically(folder / "config.toml", config);
+  auto report = trial_json(trial, objects.candidates.names);
+  report.update({{"object", names_of(arguments)},
+                 {"seed", arguments.common.seed},
+                 {"version", version()},
+                 {"repairs", repairs_json(arguments, objects)}});
+  write_file_atomically(folder / "report.json", json_text(report));
+  write_file_atomically(folder / "replay.html", replay_html(folder / "recording.h5", title));
+  return report;
+}
+
+void print_pick(const PickArguments& arguments, const nlohmann::json& report,
+                const evaluation::Trial& trial, const std::vector<std::string>& names) {
+  if (arguments.common.json) return print_json(report);
+  const fs::path folder = output_folder(arguments);
+  for (const auto& [name, done] : report["repairs"].items()) print_repairs(name, done);
+  fmt::print("{}\n{}wrote {}: recording.h5, config.toml, report.json, replay.html\n",
+             outcome_text(trial, names), place_text(trial), folder.string());
+  print_next(arguments.common,
+             fmt::format("open {}/replay.html in a browser, or palpate view {}", folder.string(),
+                         quoted((folder / "recording.h5").string())));
+}
+
+int pick(const PickArguments& arguments) {
+  const CommonOptions& common = arguments.common;
+  const auto options = options_of(arguments);
+  const std::string names = names_of(arguments);
+  std::optional<Notice> notice(std::in_place, "preparing " + names, common.quiet);
+  const PickObjects objects = load_pick_objects(arguments);
+  const geometry::ObjectModel& object = objects.present();
+  evaluation::check_trial(object.object(), options, common.seed);  // bad ones are named first
   const Interrupt interrupt;
   const auto live = arguments.live.open(common.quiet);
   // First, so that nothing is left behind where the simulator refuses something.
-  const simulation::World world(object.object(), options.world, common.seed);
+  const auto header = header_of(arguments, options, object.object());
   notice.reset();
 
   const fs::path folder = output_folder(arguments);
   const OutputFolder output(folder, {"recording.h5", "config.toml", "report.json", "replay.html"},
                             common.force);
-  const recording::RecordingHeader header{
-      std::string(version()), common.seed, object.object(),
-      world.hand_model(),     config,      sensor_reported_errors};
   const auto title = fmt::format("palpate pick --object {} --seed {}{}", names, common.seed,
                                  arguments.place.empty() ? "" : " --place " + arguments.place);
-  recording::Writer writer(folder / "recording.h5", header);
-  const auto page = live ? live->begin(header, title) : nullptr;
-  std::vector<recording::Sink*> sinks{&writer};
-  if (page) sinks.push_back(page.get());
-  std::optional<evaluation::BeliefRecorder> beliefs;
-  if (objects.models.size() == 1 && !other && !arguments.no_belief) {
-    beliefs.emplace(object, header.hand,
-                    evaluation::BeliefRecorder::Options{options.pick_options(), {}}, common.seed,
-                    [&page](const recording::BeliefRecord& belief) {
-                      if (page) page->belief(belief);
-                    });
-    sinks.push_back(&*beliefs);
+  PickRecording recording(folder / "recording.h5", header,
+                          live ? live->begin(header, title) : nullptr);
+  if (objects.known() && !arguments.no_belief) {
+    recording.follow_belief(object, header.hand, options.pick_options(), common.seed);
   }
-  recording::Tee sink(std::move(sinks));
-  const auto trial = evaluation::run_trial(object, objects.candidates(), options, common.seed,
-                                           &sink, phase_printer(common), interrupt.token());
+  auto sink = recording.sink();
+  const auto trial =
+      evaluation::run_trial(object, objects.candidates.candidates(), options, common.seed, &sink,
+                            phase_printer(common), interrupt.token());
+
   notice.emplace("writing the recording and its page", common.quiet);
-  if (beliefs) {
-    for (const auto& belief : beliefs->finish()) writer.belief(belief);
-  }
-  writer.finish();
-  if (page) page->end(trial.result.held ? "picked" : "ended: " + trial.result.failed_phase);
-  write_file_atomically(folder / "config.toml", config);
-  auto report = trial_json(trial, objects.names);
-  auto repairs = repairs_json(objects);
-  if (other && !object.object().repairs.empty()) {
-    repairs[arguments.true_object] = object.object().repairs;
-  }
-  report.update(
-      {{"object", names}, {"seed", common.seed}, {"version", version()}, {"repairs", repairs}});
-  write_file_atomically(folder / "report.json", json_text(report));
-  write_file_atomically(folder / "replay.html", replay_html(folder / "recording.h5", title));
+  recording.finish(trial.result);
+  const auto report = write_results(arguments, objects, trial, header.config_toml, title);
   notice.reset();
-  if (common.json) {
-    print_json(report);
-  } else {
-    for (const auto& [name, done] : repairs.items()) print_repairs(name, done);
-    fmt::print("{}\n{}wrote {}: recording.h5, config.toml, report.json, replay.html\n",
-               outcome_text(trial, objects.names), place_text(trial), folder.string());
-    print_next(common, fmt::format("open {}/replay.html in a browser, or palpate view {}",
-                                   folder.string(), quoted((folder / "recording.h5").string())));
-  }
+  print_pick(arguments, report, trial, objects.candidates.names);
   if (trial.result.fault) return kStopped;
   return report["status"] == "ok" ? kDone : kNoSolution;
 }
@@ -224,8 +259,8 @@ void add_pick(CLI::App& program, Command& chosen) {
   command
       .add_option("--explore", arguments->explore,
                   "touches of the resting object before the grasp, in at most twice as many "
-                  "guarded moves; 0: none (default: 8 moves, and up to 16 while the pose is "
-                  "ambiguous)")
+                  "guarded moves, and up to explore.refining more that refine the pose; 0: none "
+                  "(default: 8 moves, and up to 16 while the pose is ambiguous)")
       ->check(in_range(0, 64));
   add_place_option(command, arguments->place);
   add_live_option(command, arguments->live);

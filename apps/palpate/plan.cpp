@@ -133,7 +133,8 @@ void write_results(const PlanArguments& arguments, const PlanSettings& settings,
                    const hand::Description& hand, const pl::Plan& plan,
                    const std::optional<pl::TrackingError>& tracking) {
   const std::filesystem::path folder = arguments.common.out;
-  const auto output = claim_output(arguments.common, {"report.json", "path.csv", "path.svg"});
+  const auto output =
+      claim_output(arguments.common, {"report.json", "config.toml", "path.csv", "path.svg"});
   write_file_atomically(folder / "report.json", json_text(plan_report(plan, tracking)));
   write_file_atomically(folder / "config.toml",
                         config_header(arguments.common) + to_toml(settings));

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <sstream>
 #include <string>
@@ -97,7 +98,7 @@ int run(std::span<const AddCommand> commands, int argc, char** argv) {
 
 /// Not by fmt::print, which throws where stderr takes nothing.
 void complain(const std::string& what) {
-  std::fputs(fmt::format("palpate: {}\n", what).c_str(), stderr);
+  std::fputs(fmt::format("palpate: {}\n", in_one_line(what)).c_str(), stderr);
 }
 
 /// A reader that has gone away, as `head` does, wants nothing more and is told nothing.
@@ -124,6 +125,9 @@ int run_program(std::span<const AddCommand> commands, int argc, char** argv) {
     return end_output(run(commands, argc, argv));
   } catch (const BadInput& error) {
     complain(error.what());
+    return kBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    complain(fmt::format("{}: {}", error.path1().string(), error.code().message()));
     return kBadInput;
   } catch (const std::system_error& error) {
     if (std::ferror(stdout) == 0) {

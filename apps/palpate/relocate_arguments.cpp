@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <sstream>
 
-#include "csv_header.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"

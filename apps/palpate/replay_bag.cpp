@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 
 #include "hand_option.hpp"
 #include "interface_option.hpp"
@@ -25,6 +27,16 @@ using Metadata = std::map<std::string, std::string>;
 std::string value_of(const Metadata& metadata, const std::string& key) {
   const auto found = metadata.find(key);
   return found == metadata.end() ? "" : found->second;
+}
+
+/// That of the export; `otherwise` for a file that states none.
+std::uint64_t seed_of(const Metadata& metadata, const std::string& path, std::uint64_t otherwise) {
+  const std::string text = value_of(metadata, "seed");
+  if (text.empty()) return otherwise;
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (error == std::errc() && end == text.data() + text.size()) return seed;
+  throw BadInput(fmt::format("{}: the seed {:.40?} of its metadata is no number", path, text));
 }
 
 /// Those that the file was made with, changed by --config and --set.
@@ -97,6 +109,7 @@ BagEstimate estimate_from_bag(const std::string& path, const BagArguments& argum
                               const CommonOptions& common) {
   const Metadata metadata = ros2::bag_metadata(path);
   const auto options = options_of(metadata, path, common);
+  const std::uint64_t seed = seed_of(metadata, path, common.seed);
   BagEstimate answer;
   answer.object = arguments.object.empty() ? value_of(metadata, "object") : arguments.object;
   answer.hand = arguments.hand.empty() ? value_of(metadata, "hand") : arguments.hand;
@@ -114,9 +127,7 @@ BagEstimate estimate_from_bag(const std::string& path, const BagArguments& argum
   const auto held = arguments.at ? std::nullopt : until.at(estimation::TouchEvent::held);
   const std::size_t at = held ? *held : instant_of(until, arguments.at, path);
   const auto hand = skills::calibrated_hand(described, until, options.pick.calibrate);
-  const auto seed = value_of(metadata, "seed");
-  estimation::PoseEstimator estimator(object, options.pick_options().estimation,
-                                      seed.empty() ? common.seed : std::stoull(seed));
+  estimation::PoseEstimator estimator(object, options.pick_options().estimation, seed);
   answer.at = until.readings[at].time;
   answer.estimate = estimator.held(hand, until, at);
   return answer;

@@ -10,7 +10,6 @@
 #include "given_command.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
-#include "palpate/core/progress.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/tactile/biotac/electrodes.hpp"
@@ -34,11 +33,12 @@ void add_model_options(CLI::App& command, CommonOptions& common) {
   command.add_flag("--force", common.force, "overwrite FILE");
 }
 
-/// @throws BadInput unless there is a place for the model
-void require_out(const CommonOptions& common) {
+/// @throws BadInput unless there is a place for the model and, if there is a file of them, the data
+void require_out(const CommonOptions& common, const std::string& data = "") {
   if (common.out.empty()) throw BadInput("--out FILE is missing: where the model is to go");
-  if (std::filesystem::exists(common.out) && !common.force) {
-    throw BadInput(fmt::format("{} exists; --force overwrites it", common.out));
+  for (const std::string& file : {common.out, data}) {
+    if (common.force || !std::filesystem::exists(file)) continue;
+    throw BadInput(fmt::format("{} exists; --force overwrites it", file));
   }
 }
 
@@ -280,7 +280,7 @@ SimulatedTouches simulate(const SimulatedArguments& arguments, const SimulatedOp
 }
 
 int train_biotac_network(const SimulatedArguments& arguments) {
-  require_out(arguments.common);
+  require_out(arguments.common, arguments.write_data);
   auto options = resolve<SimulatedOptions>(arguments.common);
   options.network.seed = arguments.common.seed;
   const auto touches = simulate(arguments, options);
@@ -342,7 +342,7 @@ nlohmann::json inverse_errors(const tactile::BiotacInverse& model,
 }
 
 int train_biotac_inverse(const SimulatedArguments& arguments) {
-  require_out(arguments.common);
+  require_out(arguments.common, arguments.write_data);
   auto options = resolve<SimulatedOptions>(arguments.common);
   options.inverse.seed = arguments.common.seed;
   const auto touches = simulate(arguments, options);

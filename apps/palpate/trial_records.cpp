@@ -50,6 +50,11 @@ EvalPlan plan_of(const json& header) {
   plan.repairs = header.value("repairs", plan.repairs);
   plan.repetition = header.value("repetition", plan.repetition);
   plan.repairs.resize(plan.objects.size());
+  constexpr std::size_t kMostTrials = 1000000;  // that eval makes of each object
+  if (plan.trials > kMostTrials || plan.symmetry_orders.size() != plan.objects.size()) {
+    throw BadInput(fmt::format("a plan of {} trials of {} objects, of which {} have a symmetry",
+                               plan.trials, plan.objects.size(), plan.symmetry_orders.size()));
+  }
   return plan;
 }
 

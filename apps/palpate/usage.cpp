@@ -162,6 +162,13 @@ std::string counted(const std::string& text) {
   return std::regex_replace(result, kTooFew, "$1 needs $2 values, and has $3");
 }
 
+/// A long argument without its middle: on all of it the regular expressions run out of stack.
+std::string without_middle(const std::string& text) {
+  constexpr std::size_t kEnd = 500;
+  if (text.size() <= 2 * kEnd) return text;
+  return text.substr(0, kEnd) + "..." + text.substr(text.size() - kEnd);
+}
+
 std::string without_dashes(const std::string& option) {
   return option.substr(std::min(option.size(), option.find_first_not_of('-')));
 }
@@ -289,10 +296,19 @@ std::string words_of(const CLI::App* command) {
   return parent->get_parent() ? words_of(parent) + " " + command->get_name() : command->get_name();
 }
 
+std::string in_one_line(std::string text) {
+  for (char& c : text) {
+    if (c == '\n' || c == '\r') c = ' ';
+    if (c != '\t' && std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
+  }
+  return text;
+}
+
 std::string usage_error(const CLI::App* program, const CLI::Error& error) {
   const CLI::App* const command = innermost(program);
   const auto unknown = program->remaining(true);
-  std::string what = with_positionals_in_capitals(counted(named_choices(error.what())), command);
+  std::string what =
+      with_positionals_in_capitals(counted(named_choices(without_middle(error.what()))), command);
   const bool needs_command =
       dynamic_cast<const CLI::RequiredError*>(&error) && !command_names(command).empty();
   if (needs_command || dynamic_cast<const CLI::ExtrasError*>(&error)) {
@@ -304,7 +320,7 @@ std::string usage_error(const CLI::App* program, const CLI::Error& error) {
       what = unexpected(command, option == unknown.end() ? unknown.front() : *option);
     }
   }
-  return fmt::format("palpate: {}; see {} --help\n", what, command_path(command));
+  return in_one_line(fmt::format("palpate: {}; see {} --help", what, command_path(command))) + "\n";
 }
 
 }  // namespace palpate::app

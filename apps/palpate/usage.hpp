@@ -34,6 +34,10 @@ void read_whole_numbers_as_decimal(CLI::App& program);
 /// Any number above 0 that is finite.
 CLI::Validator positive();
 
+/// A message in which what was given stands as it is, but for the ends of lines and the control
+/// characters that a terminal obeys.
+std::string in_one_line(std::string text);
+
 /// One line on stderr for a command line that cannot be read.
 std::string usage_error(const CLI::App* program, const CLI::Error& error);
 

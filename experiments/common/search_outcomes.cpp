@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
-#include <numbers>
 
 #include "palpate/core/statistics.hpp"
 #include "palpate/localization/localizer.hpp"
@@ -20,7 +19,6 @@ namespace {
 using namespace localization;
 
 constexpr double kSure = 0.9;
-constexpr double kMaxRotation = 5 * std::numbers::pi / 180, kMaxTranslation = 0.010;
 
 template <class Value>
 double mean_of(const SearchOutcomes& outcomes, Value value) {
@@ -106,8 +104,7 @@ SearchOutcome search_pose(const SearchSubject& subject, const Evidence& evidence
   const auto& symmetries = subject.model.object().symmetries;
   const Mode& best = posterior.modes.front();
   outcome.stated = pose_probability(best);
-  const PoseError error = pose_error(best.T_frame_object, truth, symmetries);
-  outcome.right = error.rotation < kMaxRotation && error.translation < kMaxTranslation;
+  outcome.right = within(pose_error(best.T_frame_object, truth, symmetries));
   outcome.covered = truth_in_credible_set(posterior, truth, symmetries);
   outcome.set_mass = posterior.credible_mass;
   outcome.certain = posterior.status == PoseStatus::certain;

@@ -12,6 +12,13 @@ std::vector<EventLog::Moment> EventLog::since_release() const {
   return {release.base(), moments.end()};
 }
 
+std::size_t EventLog::count(TouchEvent event) const {
+  const auto moments_held = since_release();
+  return static_cast<std::size_t>(
+      std::count_if(moments_held.begin(), moments_held.end(),
+                    [event](const Moment& moment) { return moment.event == event; }));
+}
+
 std::vector<EventLog::Moment> EventLog::since_opening() const {
   const auto moments_held = since_release();
   const auto opening =

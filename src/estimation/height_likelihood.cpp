@@ -118,7 +118,8 @@ std::vector<double> stopping_heights(const HeightMap& map, const std::vector<Par
 }
 
 std::vector<geometry::SurfaceSample> surface_of(const geometry::KnownObject& object) {
-  return geometry::sample_surface(object.mesh, kSurfacePoints, RandomStream(0, "felt height"));
+  return geometry::sample_surface(object.mesh, kSurfacePoints,
+                                  RandomStream(0, "felt height"));  // the text seeds the stream
 }
 
 double likelihood(const std::vector<double>& heights, double stopped, double sigma) {

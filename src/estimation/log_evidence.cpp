@@ -8,8 +8,8 @@
 
 #include "estimation/event_window.hpp"
 #include "estimation/in_hand_motion.hpp"
-#include "estimation/mean_load.hpp"
 #include "palpate/core/gravity.hpp"
+#include "palpate/estimation/mean_load.hpp"
 
 namespace palpate::estimation {
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "estimation/mean_load.hpp"
+#include "palpate/estimation/mean_load.hpp"
 
 #include <algorithm>
-#include <span>
 
 namespace palpate::estimation {
 namespace {
@@ -21,14 +20,17 @@ double mean_load(const EventLog& log, std::size_t readings) {
   return sum / static_cast<double>(window.size());
 }
 
-hand::BasePosition mean_base(const EventLog& log, std::size_t readings) {
+hand::BasePosition mean_base(std::span<const hand::HandReading> readings) {
   hand::BasePosition mean;
-  const auto window = last_of(log, readings);
-  for (const auto& reading : window) {
-    mean.xyz += reading.base.xyz / static_cast<double>(window.size());
-    mean.ypr += reading.base.ypr / static_cast<double>(window.size());
+  for (const auto& reading : readings) {
+    mean.xyz += reading.base.xyz / static_cast<double>(readings.size());
+    mean.ypr += reading.base.ypr / static_cast<double>(readings.size());
   }
   return mean;
+}
+
+hand::BasePosition mean_base(const EventLog& log, std::size_t readings) {
+  return mean_base(last_of(log, readings));
 }
 
 }  // namespace palpate::estimation

@@ -15,7 +15,7 @@ constexpr int kPriorPoses = 40;      // before the first touch, about
 constexpr double kNotDrawn = 0.003;  // probability below which a pose is left out,
 constexpr double kAmongEqual =
     0.3;  // or share of the most probable one's, where all are improbable
-constexpr double kCellRadius = 0.01;    // m, of a ball of 5 deg and 10 mm
+constexpr double kCellRadius = localization::PoseTolerance{}.translation;  // m, of a ball of poses
 constexpr double kYawCells = 36;        // such balls in a full turn
 constexpr double kSameAxis = 1 - 1e-6;  // cosine, of a symmetry that is a turn about the vertical
 

@@ -12,23 +12,13 @@
 namespace palpate::evaluation {
 namespace {
 
-constexpr double kTouching = 0.1;                          // N
-constexpr double kLifted = 0.05;                           // m above the table
-constexpr double kMaxSlip = 0.010;                         // m
-constexpr double kPoseAngle = 5 * std::numbers::pi / 180;  // rad
-constexpr double kPoseDistance = 0.010;                    // m
-
-constexpr double kTightAngle = 2.5 * std::numbers::pi / 180;  // rad
-constexpr double kTightDistance = 0.0035;                     // m
-
-constexpr double kPlaceTightAngle = 3 * std::numbers::pi / 180;  // rad
-constexpr double kPlaceTightDistance = 0.005;                    // m
-constexpr double kSameSide = 5 * std::numbers::pi / 180;         // rad
-constexpr double kLeftHand = 0.025;                              // m of motion in the hand
-
-bool within(const localization::PoseError& error, double angle, double distance) {
-  return error.rotation < angle && error.translation < distance;
-}
+constexpr double kTouching = 0.1;   // N
+constexpr double kLifted = 0.05;    // m above the table
+constexpr double kMaxSlip = 0.010;  // m
+constexpr localization::PoseTolerance kTight{2.5 * std::numbers::pi / 180, 0.0035};
+constexpr localization::PoseTolerance kPlaceTight{3 * std::numbers::pi / 180, 0.005};
+constexpr double kSameSide = 5 * std::numbers::pi / 180;  // rad
+constexpr double kLeftHand = 0.025;                       // m of motion in the hand
 
 double median_tip_force(const hand::HandReading& reading) {
   std::vector<double> forces;
@@ -37,14 +27,6 @@ double median_tip_force(const hand::HandReading& reading) {
     if (force > kTouching) forces.push_back(force);
   }
   return forces.empty() ? 0 : median(forces);
-}
-
-/// Moments of a kind since the hand let go, of all grasps.
-int count(const estimation::EventLog& log, estimation::TouchEvent event) {
-  const auto moments = log.since_release();
-  return static_cast<int>(
-      std::count_if(moments.begin(), moments.end(),
-                    [event](const auto& moment) { return moment.event == event; }));
 }
 
 }  // namespace
@@ -79,7 +61,7 @@ TrialMetrics Evaluator::metrics(const skills::PickResult& result, const estimati
         right_in_hand(result.before_probe, closed.front(), log, symmetries);
   }
   evaluate_tracked(result, symmetries, metrics);
-  metrics.probes = count(log, estimation::TouchEvent::probed);
+  metrics.probes = static_cast<int>(log.count(estimation::TouchEvent::probed));
   metrics.explored_motion = motion_while_explored(log);
   const auto& posterior = result.estimate.posterior;
   metrics.has_pose = !posterior.modes.empty();
@@ -89,8 +71,8 @@ TrialMetrics Evaluator::metrics(const skills::PickResult& result, const estimati
     metrics.error = localization::pose_error(best, truth, symmetries);
     metrics.error_no_symmetry =
         localization::pose_error(best, truth, {Eigen::Matrix3d::Identity()});
-    metrics.pose_ok = within(metrics.error, kPoseAngle, kPoseDistance);
-    metrics.pose_tight = within(metrics.error, kTightAngle, kTightDistance);
+    metrics.pose_ok = within(metrics.error);
+    metrics.pose_tight = within(metrics.error, kTight);
     metrics.covered = localization::covers(posterior, truth, symmetries);
     metrics.status = posterior.status;
     metrics.probability = localization::best_probability(posterior);
@@ -107,7 +89,7 @@ void Evaluator::evaluate_tracked(const skills::PickResult& result,
   for (const auto& look : result.tracked->looks) {
     const auto error = localization::pose_error(look.T_base_object,
                                                 moments_[look.reading].T_base_object, symmetries);
-    metrics.pose_ok_tracked = within(error, kPoseAngle, kPoseDistance);
+    metrics.pose_ok_tracked = within(error);
     right += metrics.pose_ok_tracked;
   }
   metrics.tracked_share = right / static_cast<double>(result.tracked->looks.size());
@@ -119,7 +101,7 @@ bool Evaluator::right_in_hand(const std::optional<estimation::HeldPoseEstimate>&
   if (!estimate || estimate->posterior.modes.empty()) return false;
   const auto truth = log.readings[closed].base.pose() * moments_[closed].T_base_object;
   const auto& best = estimate->posterior.modes[0].T_frame_object;
-  return within(localization::pose_error(best, truth, symmetries), kPoseAngle, kPoseDistance);
+  return within(localization::pose_error(best, truth, symmetries));
 }
 
 Eigen::Isometry3d Evaluator::object_at(const estimation::EventLog& log, std::size_t reading) const {
@@ -162,8 +144,8 @@ PlaceMetrics Evaluator::place_metrics(const skills::PlaceResult& result,
   metrics.release = apart(after, at_release);
   const bool released_for_good =
       result.status == skills::PlaceStatus::placed || result.status == skills::PlaceStatus::missing;
-  metrics.placed = released_for_good && within(metrics.error, kPoseAngle, kPoseDistance);
-  metrics.tight = metrics.placed && within(metrics.error, kPlaceTightAngle, kPlaceTightDistance);
+  metrics.placed = released_for_good && within(metrics.error);
+  metrics.tight = metrics.placed && within(metrics.error, kPlaceTight);
   metrics.wrong = result.certain && !result.on_the_way && !metrics.placed;
   return metrics;
 }
@@ -175,9 +157,7 @@ double Evaluator::motion_while_explored(const estimation::EventLog& log) const {
   std::optional<std::size_t> first, last;
   for (const auto& moment : log.since_release()) {
     if (moment.event == estimation::TouchEvent::guarded_move && !first) first = moment.reading;
-    if (moment.event == estimation::TouchEvent::touched ||
-        moment.event == estimation::TouchEvent::missed)
-      last = moment.reading;
+    if (estimation::ends_guarded_move(moment.event)) last = moment.reading;
   }
   return first && last ? (place(*last) - place(*first)).norm() : 0;
 }

@@ -13,7 +13,6 @@ namespace palpate::evaluation {
 namespace {
 
 constexpr double kLatestFault = 150;  // s: most picks are still under way
-constexpr double kConfident = 0.9;
 
 int draw_index(RandomStream& random, int count) {
   return std::min(count - 1, static_cast<int>(random.uniform() * count));
@@ -28,10 +27,7 @@ FaultSummary summary_of(const std::optional<Trial>& trial, double from) {
   const TrialMetrics& metrics = trial->metrics;
   summary.lifted = metrics.lifted;
   summary.pose_ok = metrics.lifted && metrics.pose_ok;
-  if (metrics.has_pose) {
-    const auto& best = trial->result.estimate.posterior.modes.front();
-    summary.confident_wrong = !metrics.pose_ok && localization::pose_probability(best) > kConfident;
-  }
+  summary.confident_wrong = metrics.confident_wrong();
   summary.peak_load = metrics.peak_load;
   summary.peak_tip_force = metrics.peak_tip_force;
   summary.overloaded = metrics.peak_load > kMaxLoad;

@@ -11,12 +11,12 @@
 #include "palpate/core/error.hpp"
 #include "palpate/evaluation/credible_poses.hpp"
 #include "palpate/recording/estimate_record.hpp"
+#include "palpate/recording/touch_log.hpp"
 #include "palpate/skills/place/place.hpp"
 
 namespace palpate::evaluation {
 namespace {
 
-constexpr std::string_view kEventPrefix = "mark ";
 constexpr std::size_t kMaxPoses = 60;  // of a posterior, in a note
 
 /// Places of the object's centroid along the transport as it was planned: x y z of each, m.
@@ -43,9 +43,7 @@ void Recorder::frame(const hand::HandReading& reading, const hand::HandCommand& 
 
 void Recorder::event(estimation::TouchEvent event) {
   if (!sink_) return;
-  sink_->event({time_, recording::EventKind::note, phase_,
-                std::string(kEventPrefix)
-                    .append(estimation::kTouchEventNames[static_cast<std::size_t>(event)])});
+  sink_->event({time_, recording::EventKind::note, phase_, recording::touch_note(event)});
 }
 
 void Recorder::posterior(const localization::Posterior& posterior) {

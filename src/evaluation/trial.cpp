@@ -185,6 +185,141 @@ void check_trial(const geometry::KnownObject& object, const TrialOptions& option
   check_clear(place_fixture(object, options.place, target), object, options.start);
 }
 
+namespace {
+
+std::optional<skills::PlaceTarget> target_from(const simulation::Start& start,
+                                               const geometry::KnownObject& object,
+                                               const TrialOptions& options, std::uint64_t seed) {
+  return place_target(object, options.place, seed, static_cast<std::size_t>(start.stable_pose));
+}
+
+/// For the start that is drawn first; start_trial() may draw another.
+planning::Fixture fixture_of(const geometry::KnownObject& object, const TrialOptions& options,
+                             std::uint64_t seed) {
+  const auto start = draw_start(object, options.start, seed);
+  return place_fixture(object, options.place, target_from(start, object, options, seed));
+}
+
+simulation::WorldOptions world_options(const TrialOptions& options,
+                                       const hand::FaultSchedule& fault) {
+  simulation::WorldOptions world = options.world;
+  world.biotacs = world.biotacs || options.touch.from_biotacs();
+  world.second_object |= fault.fault == hand::InjectedFault::second_object;
+  return world;
+}
+
+/// The world of a trial, what is between the robot and its hand, and who watches both.
+class SimulatedTrial {
+ public:
+  /// All but the sink are kept by reference.
+  SimulatedTrial(const geometry::ObjectModel& object, const estimation::Candidates& candidates,
+                 const TrialOptions& options, std::uint64_t seed, recording::Sink* sink)
+      : object_(object),
+        candidates_(candidates),
+        options_(options),
+        seed_(seed),
+        pick_options_(options.pick_options()),
+        fixture_(fixture_of(object.object(), options, seed)),
+        fault_(options.fault.schedule(seed)),
+        world_(object.object(), world_options(options, fault_), seed, fixture_),
+        recorder_(sink, world_) {
+    trial_.start = start_trial(world_, object.object(), options.start, seed);
+    target_ = target_from(trial_.start, object.object(), options, seed);
+    if (options.touch.from_biotacs()) {
+      biotac_hand_.emplace(faulty_, world_.hand_model(), tactile::shipped_biotac_inverse());
+    }
+  }
+
+  Trial run(const skills::PhaseObserver& observer, std::stop_token stop) {
+    const simulation::SimulatedModels models(options_.forward_model_options());
+    hand::Hand& sensed = biotac_hand_ ? static_cast<hand::Hand&>(*biotac_hand_) : faulty_;
+    skills::Executor robot(sensed, world_.hand_model(), waiting_command(world_.hand_model()),
+                           executor_observer(), &models, {options_.safety, std::move(stop)});
+    try {
+      pick_and_place(robot, phase_observer(robot, observer));
+    } catch (const std::exception&) {
+      if (!world_.diverged()) throw;
+    }
+    if (world_.diverged()) return unstable(trial_.start);
+    finish(robot);
+    return std::move(trial_);
+  }
+
+ private:
+  skills::Executor::Observer executor_observer() {
+    return {[this](const auto& reading, const auto& command) {
+              evaluator_.observe(reading);
+              recorder_.frame(reading, command);
+            },
+            [this](estimation::TouchEvent event) { recorder_.event(event); },
+            [this](const auto& posterior) { recorder_.posterior(posterior); }};
+  }
+
+  /// Records, evaluates what was picked and placed, and then calls the other one.
+  skills::PhaseObserver phase_observer(const skills::Executor& robot,
+                                       const skills::PhaseObserver& other) {
+    skills::PhaseObserver all = recorder_.phases_and(other);
+    all.on_picked = [&](const skills::PickResult& picked) {
+      recorder_.estimate(robot.time(), picked.estimate);
+      trial_.metrics =
+          evaluator_.metrics(picked, robot.log(), pick_options_.lift, object_.object().symmetries);
+      identify(object_, candidates_, picked.objects, trial_.metrics);
+      if (other.on_picked) other.on_picked(picked);
+    };
+    all.on_placed = [&](const skills::PlaceResult& placed) {
+      const bool dropped = trial_.place_metrics.dropped;  // before, on the way
+      trial_.place_metrics =
+          evaluator_.place_metrics(placed, *target_, robot.log(), object_.object());
+      trial_.place_metrics.dropped |= dropped;
+      if (other.on_placed) other.on_placed(placed);
+    };
+    return all;
+  }
+
+  void pick_and_place(skills::Executor& robot, const skills::PhaseObserver& observers) {
+    if (!target_) {
+      trial_.result = skills::pick(robot, candidates_, pick_options_, seed_, observers);
+      return;
+    }
+    skills::PickAndPlaceResult course = skills::pick_and_place(
+        robot, {object_, *target_, fixture_, pick_options_, options_.place_options(), seed_},
+        observers);
+    trial_.result = std::move(course.picked);
+    trial_.place = std::move(course.place);
+    trial_.strategy = std::move(course.strategy);
+  }
+
+  void finish(const skills::Executor& robot) {
+    trial_.robot_seconds = robot.time();
+    trial_.events = trial_events(robot.log());
+    trial_.metrics.peak_load = faulty_.peak_load();
+    trial_.metrics.peak_tip_force = faulty_.peak_tip_force();
+    if (trial_.result.fault) forget_pose(trial_.metrics);
+    if (trial_.place) recorder_.placement(*trial_.place, fixture_);
+  }
+
+  const geometry::ObjectModel& object_;
+  const estimation::Candidates& candidates_;
+  const TrialOptions& options_;
+  std::uint64_t seed_;
+  skills::PickOptions pick_options_;
+  planning::Fixture fixture_;
+  hand::FaultSchedule fault_;
+  simulation::World world_;
+  Trial trial_;
+  std::optional<skills::PlaceTarget> target_;
+  Evaluator evaluator_{world_};
+  Recorder recorder_;
+  hand::FaultyHand faulty_{world_.hand(), fault_, [this] {
+                             if (fault_.fault == hand::InjectedFault::object_pushed) {
+                               push_aside(world_, seed_);
+                             }
+                           }};
+  std::optional<tactile::BiotacHand> biotac_hand_;
+};
+
+}  // namespace
+
 Trial run_trial(const geometry::ObjectModel& object, const TrialOptions& options,
                 std::uint64_t seed, recording::Sink* sink, const skills::PhaseObserver& observer,
                 std::stop_token stop) {
@@ -196,78 +331,8 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
                 const skills::PhaseObserver& observer, std::stop_token stop) {
   check_candidates(object, candidates, options);
   check_trial(object.object(), options, seed);
-  Trial trial;
-  const auto target_from = [&](const simulation::Start& start) {
-    return place_target(object.object(), options.place, seed,
-                        static_cast<std::size_t>(start.stable_pose));
-  };
-  const planning::Fixture fixture =
-      place_fixture(object.object(), options.place,
-                    target_from(draw_start(object.object(), options.start, seed)));
-  const skills::PickOptions pick_options = options.pick_options();
-  simulation::WorldOptions world_options = options.world;
-  world_options.biotacs = world_options.biotacs || options.touch.from_biotacs();
-  const hand::FaultSchedule fault = options.fault.schedule(seed);
-  world_options.second_object |= fault.fault == hand::InjectedFault::second_object;
-  simulation::World world(object.object(), world_options, seed, fixture);
-  trial.start = start_trial(world, object.object(), options.start, seed);
-  const auto target = target_from(trial.start);
-
-  Evaluator evaluator(world);
-  Recorder recorder(sink, world);
-  hand::FaultyHand faulty(world.hand(), fault, [&] {
-    if (fault.fault == hand::InjectedFault::object_pushed) push_aside(world, seed);
-  });
-  std::optional<tactile::BiotacHand> biotac_hand;
-  if (options.touch.from_biotacs()) {
-    biotac_hand.emplace(faulty, world.hand_model(), tactile::shipped_biotac_inverse());
-  }
-  const simulation::SimulatedModels models(options.forward_model_options());
-  hand::Hand& sensed = biotac_hand ? static_cast<hand::Hand&>(*biotac_hand) : faulty;
-  skills::Executor robot(sensed, world.hand_model(), waiting_command(world.hand_model()),
-                         {[&](const auto& reading, const auto& command) {
-                            evaluator.observe(reading);
-                            recorder.frame(reading, command);
-                          },
-                          [&](estimation::TouchEvent event) { recorder.event(event); },
-                          [&](const auto& posterior) { recorder.posterior(posterior); }},
-                         &models, {options.safety, std::move(stop)});
-  skills::PhaseObserver observers = recorder.phases_and(observer);
-  observers.on_picked = [&](const skills::PickResult& picked) {
-    recorder.estimate(robot.time(), picked.estimate);
-    trial.metrics =
-        evaluator.metrics(picked, robot.log(), pick_options.lift, object.object().symmetries);
-    identify(object, candidates, picked.objects, trial.metrics);
-    if (observer.on_picked) observer.on_picked(picked);
-  };
-  observers.on_placed = [&](const skills::PlaceResult& placed) {
-    const bool dropped = trial.place_metrics.dropped;  // before, on the way
-    trial.place_metrics = evaluator.place_metrics(placed, *target, robot.log(), object.object());
-    trial.place_metrics.dropped |= dropped;
-    if (observer.on_placed) observer.on_placed(placed);
-  };
-  try {
-    if (target) {
-      skills::PickAndPlaceResult course = skills::pick_and_place(
-          robot, {object, *target, fixture, pick_options, options.place_options(), seed},
-          observers);
-      trial.result = std::move(course.picked);
-      trial.place = std::move(course.place);
-      trial.strategy = std::move(course.strategy);
-    } else {
-      trial.result = skills::pick(robot, candidates, pick_options, seed, observers);
-    }
-  } catch (const std::exception&) {
-    if (!world.diverged()) throw;
-  }
-  if (world.diverged()) return unstable(trial.start);
-  trial.robot_seconds = robot.time();
-  trial.events = trial_events(robot.log());
-  trial.metrics.peak_load = faulty.peak_load();
-  trial.metrics.peak_tip_force = faulty.peak_tip_force();
-  if (trial.result.fault) forget_pose(trial.metrics);
-  if (trial.place) recorder.placement(*trial.place, fixture);
-  return trial;
+  SimulatedTrial trial(object, candidates, options, seed, sink);
+  return trial.run(observer, std::move(stop));
 }
 
 }  // namespace palpate::evaluation

@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <initializer_list>
 #include <limits>
+#include <type_traits>
 
 #include "palpate/core/error.hpp"
 #include "palpate/skills/place/place.hpp"
@@ -13,6 +16,30 @@ namespace {
 
 using nlohmann::json;
 
+// Records hold the numbers of these values: none may move, and a new one comes after the others.
+template <class Enum>
+constexpr bool counts_up(std::initializer_list<Enum> values) {
+  int number = 0;
+  return std::ranges::all_of(values,
+                             [&](Enum value) { return static_cast<int>(value) == number++; });
+}
+using localization::PoseStatus, skills::PhaseStatus, skills::PlaceStatus, skills::Fault;
+static_assert(counts_up({PoseStatus::certain, PoseStatus::ambiguous, PoseStatus::no_pose}));
+static_assert(counts_up({PhaseStatus::ok, PhaseStatus::failed, PhaseStatus::timed_out,
+                         PhaseStatus::fault}));
+static_assert(counts_up({PlaceStatus::placed, PlaceStatus::ambiguous, PlaceStatus::unreachable,
+                         PlaceStatus::refused, PlaceStatus::slipped, PlaceStatus::lost,
+                         PlaceStatus::stuck, PlaceStatus::missing, PlaceStatus::under_way,
+                         PlaceStatus::stopped}));
+static_assert(counts_up({Fault::none, Fault::stop_requested, Fault::not_finite, Fault::out_of_range,
+                         Fault::implausible_change, Fault::frozen, Fault::late, Fault::silent,
+                         Fault::excess_force, Fault::unsensed_load, Fault::joint_stuck,
+                         Fault::touch_lost, Fault::invalid_command, Fault::log_full,
+                         Fault::exception, Fault::not_at_start}));
+template <class T>
+constexpr bool kNumbered = std::is_same_v<T, PoseStatus> || std::is_same_v<T, PhaseStatus> ||
+                           std::is_same_v<T, PlaceStatus> || std::is_same_v<T, Fault>;
+
 /// Writes members under their names.
 class ToJson {
  public:
@@ -21,6 +48,7 @@ class ToJson {
   template <class T>
   void operator()(const char* name, T& value) const {
     if constexpr (std::is_enum_v<T>) {
+      static_assert(kNumbered<T>);
       target_[name] = static_cast<int>(value);
     } else {
       target_[name] = value;  // JSON has no nan: null

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "localization/likelihood/goodness_of_fit.hpp"
 #include "localization/search/pose_family.hpp"
 
 namespace palpate::localization {
@@ -35,6 +36,10 @@ PoseError pose_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d&
 PoseError mode_error(const Mode& mode, const Eigen::Isometry3d& truth,
                      const std::vector<Eigen::Matrix3d>& symmetries) {
   return family_of(mode).match(PosePoint(truth), SymmetryGroup(symmetries)).error;
+}
+
+bool within(const PoseError& error, const PoseTolerance& tolerance) {
+  return error.rotation < tolerance.rotation && error.translation < tolerance.translation;
 }
 
 Matrix6d family_covariance(const Mode& mode) {

@@ -9,8 +9,6 @@
 namespace palpate::registration {
 
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
-using Vector45d = Eigen::Matrix<double, 45, 1>;
-using Vector55d = Eigen::Matrix<double, 55, 1>;
 inline constexpr int kFreeMultipliers = 14;
 
 /// Lower triangle by columns, off-diagonal entries times sqrt 2: keeps the inner product.

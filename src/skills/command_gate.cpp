@@ -28,12 +28,6 @@ double speed_along(const Eigen::Vector3d& velocity, const Eigen::Vector3d& way) 
   return velocity.dot(way) < 0 ? 0 : velocity.norm();
 }
 
-/// `to`, or the point on the way there that is as far from `from` as a step may be.
-Eigen::Vector3d limited(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double step) {
-  const double way = (to - from).norm();
-  return way <= step ? to : from + step / way * (to - from);
-}
-
 void require_finite(const hand::HandCommand& command) {
   if (command.positions.allFinite() && command.base.xyz.allFinite() &&
       command.base.ypr.allFinite()) {
@@ -52,6 +46,11 @@ void require_size(const hand::ActuatorVector& positions, std::size_t actuators) 
 }
 
 }  // namespace
+
+Eigen::Vector3d limited_step(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double step) {
+  const double way = (to - from).norm();
+  return way <= step ? to : from + step / way * (to - from);
+}
 
 SpeedProfile::SpeedProfile(double seconds) : steady_(hand::whole_ticks(seconds)) {}
 
@@ -105,10 +104,10 @@ void CommandGate::limit_base(hand::BasePosition& base) {
   if (reach > options_.workspace) base.xyz *= options_.workspace / reach;
   const double slide = speed_along(slide_, base.xyz - last_.base.xyz);
   const double turn = speed_along(turn_, base.ypr - last_.base.ypr);
-  base.xyz = skills::limited(last_.base.xyz, base.xyz,
-                             largest_step(slide, options_.base_speed, options_.base_acceleration));
-  base.ypr = skills::limited(last_.base.ypr, base.ypr,
-                             largest_step(turn, options_.turn_speed, options_.turn_acceleration));
+  base.xyz = limited_step(last_.base.xyz, base.xyz,
+                          largest_step(slide, options_.base_speed, options_.base_acceleration));
+  base.ypr = limited_step(last_.base.ypr, base.ypr,
+                          largest_step(turn, options_.turn_speed, options_.turn_acceleration));
   slide_ = (base.xyz - last_.base.xyz) / hand::kTick;
   turn_ = (base.ypr - last_.base.ypr) / hand::kTick;
 }

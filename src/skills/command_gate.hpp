@@ -8,6 +8,10 @@
 
 namespace palpate::skills {
 
+/// `to`, or the point on the way there that is as far from `from` as a step may be.
+/// @param step  >= 0, in the units of both
+Eigen::Vector3d limited_step(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double step);
+
 /// A straight motion from rest to rest in whole ticks, with trapezoidal speed.
 class SpeedProfile {
  public:

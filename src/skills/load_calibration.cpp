@@ -13,7 +13,6 @@ void LoadCalibration::add(const hand::BasePosition& base, const Eigen::Vector3d&
   A << base.pose().linear(), Eigen::Vector3d::UnitZ();
   information_ += A.transpose() * A;
   weighted_ += A.transpose() * load;
-  ++attitudes_;
 }
 
 LoadError LoadCalibration::error() const {

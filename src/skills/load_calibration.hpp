@@ -19,7 +19,6 @@ class LoadCalibration {
   [[nodiscard]] LoadError error() const;
 
  private:
-  int attitudes_ = 0;
   Eigen::Matrix4d information_ = Eigen::Matrix4d::Zero();
   Eigen::Vector4d weighted_ = Eigen::Vector4d::Zero();
 };

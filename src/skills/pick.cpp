@@ -8,13 +8,13 @@
 #include <string>
 #include <utility>
 
-#include "estimation/mean_load.hpp"
 #include "palpate/core/gravity.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/grasping/holdable.hpp"
 #include "palpate/skills/explore/explore_phase.hpp"
 #include "palpate/skills/grasp/track_phase.hpp"
 #include "palpate/skills/place/place_phase.hpp"
-#include "palpate/skills/probe/probe_phase.hpp"
+#include "palpate/skills/probe/palpation_phase.hpp"
 #include "skills/explore/extents.hpp"
 #include "skills/explore/touch_test_phase.hpp"
 #include "skills/grasp/pose_phase.hpp"
@@ -137,36 +137,49 @@ class Picking {
 
  private:
   void run_phases() {
-    const std::string obstacle = place_obstacle(robot_, state_.place);
-    robot_.require_running();
-    if (!obstacle.empty()) {
-      sequence_.run(Refusal("reach", "unreachable: " + obstacle));
-      return;
-    }
-    std::string reason = why_not_holdable(robot_, options_.grasp, estimator_.candidates());
-    if (!reason.empty()) {
-      sequence_.run(Refusal("refuse", std::move(reason)));
-      return;
-    }
+    if (refused()) return;
     if (options_.calibrate.touches > 0 && robot_.model().kinematic_error > 0 &&
         !has(robot_.log(), estimation::TouchEvent::on_table)) {
       sequence_.run(CalibratePhase(options_.calibrate));
     }
-    while (!result_.held && result_.attempts - slips_ < options_.attempts) {
-      if (result_.attempts++ > 0) {
-        release();
-        if (only_doubted()) --result_.attempts;
-        result_.fallen = true;  // or a failed attempt has moved it
-        state_.yaw += kNextSide;
-      }
+    while (!result_.held && attempts_left()) {
+      if (result_.attempts++ > 0) prepare_next_attempt();
       result_.held = attempt();
       if (result_.held && unknown() && doubts_ < kDoubts && robot_.survived().empty() &&
-          result_.attempts - slips_ < options_.attempts) {
+          attempts_left()) {
         ++doubts_;
         result_.held = false;
         put_back();
       }
     }
+    conclude();
+  }
+
+  /// Ends the pick where nothing can come of it.
+  bool refused() {
+    const std::string obstacle = place_obstacle(robot_, state_.place);
+    robot_.require_running();
+    if (!obstacle.empty()) {
+      sequence_.run(Refusal("reach", "unreachable: " + obstacle));
+      return true;
+    }
+    std::string reason = why_not_holdable(robot_, options_.grasp, estimator_.candidates());
+    if (reason.empty()) return false;
+    sequence_.run(Refusal("refuse", std::move(reason)));
+    return true;
+  }
+
+  [[nodiscard]] bool attempts_left() const { return result_.attempts - slips_ < options_.attempts; }
+
+  /// From another side.
+  void prepare_next_attempt() {
+    release();
+    if (only_doubted()) --result_.attempts;
+    result_.fallen = true;  // or a failed attempt has moved it
+    state_.yaw += kNextSide;
+  }
+
+  void conclude() {
     result_.resting = state_.resting;
     if (result_.held) {
       result_.failed_phase.clear();

@@ -5,16 +5,12 @@
 #include <cmath>
 
 #include "palpate/hand/kinematics.hpp"
+#include "skills/command_gate.hpp"
 
 namespace palpate::skills {
 namespace {
 
 constexpr double kTurnLever = 0.2;  // m: the base's turns give way at the speed over this
-
-Eigen::Vector3d towards(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double step) {
-  const double way = (to - from).norm();
-  return way <= step ? to : from + step / way * (to - from);
-}
 
 }  // namespace
 
@@ -22,8 +18,8 @@ hand::HandCommand with_eased_base(const hand::HandCommand& command,
                                   const hand::HandReading& reading, const SafetyOptions& options) {
   hand::HandCommand next = command;
   const double step = options.release_speed * hand::kTick;
-  next.base.xyz = towards(command.base.xyz, reading.base.xyz, step);
-  next.base.ypr = towards(command.base.ypr, reading.base.ypr, step / kTurnLever);
+  next.base.xyz = limited_step(command.base.xyz, reading.base.xyz, step);
+  next.base.ypr = limited_step(command.base.ypr, reading.base.ypr, step / kTurnLever);
   return next;
 }
 

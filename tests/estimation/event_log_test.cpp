@@ -35,6 +35,17 @@ TEST(EventLog, WhatHungBeforeTheHandLetGoHangsNoMore) {
   EXPECT_TRUE(log_of({{TouchEvent::held, 2}, {TouchEvent::probed, 4}}).hangs_at(6));
 }
 
+TEST(EventLog, MomentsOfAKindAreCountedSinceTheReleaseAndAcrossAnOpening) {
+  const EventLog log = log_of({{TouchEvent::probed, 1},
+                               {TouchEvent::released, 2},
+                               {TouchEvent::probed, 3},
+                               {TouchEvent::opened, 4},
+                               {TouchEvent::probed, 5}});
+  EXPECT_EQ(log.count(TouchEvent::probed), 2U);
+  EXPECT_EQ(log.count(TouchEvent::opened), 1U);
+  EXPECT_EQ(log.count(TouchEvent::held), 0U);
+}
+
 TEST(EventLog, TheLatestMomentOfAKindIsSinceTheRelease) {
   const EventLog log =
       log_of({{TouchEvent::closed, 1}, {TouchEvent::released, 2}, {TouchEvent::closed, 5}});

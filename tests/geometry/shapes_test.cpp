@@ -97,5 +97,14 @@ TEST(Shapes, BoxRefusesAnEdgeThatIsNotPositive) {
   EXPECT_THROW(box_mesh({0.1, -1, 0.1}), BadInput);
 }
 
+TEST(LowestPoint, IsOfTheMovedMesh) {
+  const TriangleMesh box = box_mesh({0.2, 0.4, 0.6});
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  EXPECT_DOUBLE_EQ(lowest_point(T, box), -0.3);
+  T.translation().z() = 1;
+  T.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // y becomes z
+  EXPECT_DOUBLE_EQ(lowest_point(T, box), 0.8);
+}
+
 }  // namespace
 }  // namespace palpate::geometry

@@ -50,6 +50,20 @@ TEST(PoseError, IsTheSameForEverySymmetricCopy) {
   }
 }
 
+TEST(PoseTolerance, BothErrorsOfARightPoseAreBelowIt) {
+  EXPECT_TRUE(within({4.999 * kDegree, 0.00999}));
+  EXPECT_FALSE(within({5.001 * kDegree, 0.00999}));
+  EXPECT_FALSE(within({4.999 * kDegree, 0.01001}));
+  EXPECT_FALSE(within({kRightPose.rotation, 0}));
+  EXPECT_FALSE(within({4.999 * kDegree, 0.00999}, {3 * kDegree, 0.005}));
+  EXPECT_TRUE(within({2.999 * kDegree, 0.00499}, {3 * kDegree, 0.005}));
+}
+
+TEST(PoseTolerance, IsThatOfARightPoseButForRounding) {
+  EXPECT_NEAR(PoseTolerance{}.rotation, kRightPose.rotation, 1e-15);
+  EXPECT_EQ(PoseTolerance{}.translation, kRightPose.translation);
+}
+
 Mode turning_mode(const Eigen::Isometry3d& at, const FreeAxis& axis) {
   Mode mode;
   mode.T_frame_object = at;

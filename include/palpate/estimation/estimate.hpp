@@ -25,11 +25,11 @@ struct EstimationOptions {
   double probe_motion = 0.001;       ///< of the object while a finger probes it, m
   double table_touch_sigma = 0.001;  ///< of where a held object touches the table, m
   double elsewhere = 0.02;           ///< probability that the resting pose was wrong
-  double motion_sigma = 0.0005;      ///< by which it moves it, m
+  double motion_sigma = 0.0005;      ///< by which the grasp moves the object in the hand, m
   double other_stable_pose =
       0.03;                  ///< probability that the grasp put the object into another stable pose
   double tilt_sigma = 0.30;  ///< by which the closing hand tilts the object, rad
-  double height_sigma = 0.015;    ///< by which it raises it, m
+  double height_sigma = 0.015;    ///< by which it raises the object, m
   double half_width = 0.08;       ///< object within +- of its rough place after the grasp, m
   double surface_sigma = 0.0005;  ///< by which the mesh's surface is off the object's, m
   double centroid_sigma = 0.003;  ///< by which its centre of mass is off along each axis, m

@@ -54,6 +54,9 @@ struct EventLog {
   /// Moments since the hand last let go for good.
   std::vector<Moment> since_release() const;
 
+  /// How many moments of a kind there are since then.
+  std::size_t count(TouchEvent event) const;
+
   /// The log up to the latest moment of a kind, with it; all of it where there was none.
   EventLog until(TouchEvent event) const;
 
@@ -71,7 +74,7 @@ struct EventLog {
   /// the hand has lifted it, and not put it down.
   bool hangs_at(std::size_t reading) const;
 
-  /// Readings of all moments of a kind since then.
+  /// Readings of all moments of a kind since the hand last let go or opened.
   std::vector<std::size_t> all(TouchEvent event) const;
 
  private:

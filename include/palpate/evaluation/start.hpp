@@ -12,7 +12,7 @@ inline constexpr double kPlaceMargin = 0.005;
 
 /// How the object starts; drawn at random where nothing is fixed.
 struct StartOptions {
-  int stable_pose = -1;       ///< index into KnownObject::stable poses; -1: drawn by probability
+  int stable_pose = -1;       ///< index into KnownObject::stable_poses; -1: drawn by probability
   double x = 0, y = 0;        ///< m, of its rough place on the table
   double uncertainty = 0.04;  ///< m: its centroid is within +- of there, as the robot believes
   double spread = 0;          ///< m: within +- of there, in truth; 0: as the robot believes

@@ -52,7 +52,7 @@ struct FaultOptions {
   template <class Visitor>
   void visit(Visitor&& v) {
     v("kind", kind,
-      "fault of the hand that is injected, one of those of `palpate eval --faults`; empty: none");
+      "fault of the hand that is injected: none, or one of those of `palpate eval --faults`");
     v("from", from, 0.0, 1e6, "s of robot time at which the fault begins");
     v("length", length, 0.0, 1e6, "s, duration of the fault; 0: until the end");
     v("finger", finger, 0, hand::kMaxFingers - 1,
@@ -136,6 +136,9 @@ struct TrialMetrics {
   double peak_load = 0;          ///< N, largest of the mount, whatever the hand reported
   double peak_tip_force = 0;     ///< N, largest of a fingertip
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< at the end
+
+  /// Whether the pose is wrong, and was stated with a probability above 0.9.
+  [[nodiscard]] bool confident_wrong() const { return has_pose && !pose_ok && probability > 0.9; }
 };
 
 /// What the simulator's truth says of placing. All errors are modulo symmetry.
@@ -195,7 +198,7 @@ Trial run_trial(const geometry::ObjectModel& object, const estimation::Candidate
 
 /// The target and the fixture that options ask for; none, an empty one.
 /// @param start_stable_pose  in which the object starts, for the target "stable_pose"
-/// @throws BadInput for a target that cannot be, for means of placing that do not exist, or for a
+/// @throws BadInput for a target that cannot be, for a strategy that does not exist, or for a
 ///         place.stable_pose of another target than "stable_pose"
 std::optional<skills::PlaceTarget> place_target(const geometry::KnownObject& object,
                                                 const skills::PlaceOptions& options,

@@ -17,10 +17,10 @@ struct FingerShape {
   /// On the axis of the fingertip's capsule, or spread over its hull's core; the axis' outer end
   /// last.
   std::vector<Eigen::Vector3f> tip;
-  std::vector<Eigen::Vector4f> other_spheres;  ///< of its other links: center and radius
+  std::vector<Eigen::Vector4f> other_spheres;  ///< of its other links: center and radius, m
 };
 
-/// How an empty hand closes: the shapes that its fingers pass through.
+/// How an empty hand closes: the shapes that its fingers pass through, in the base's frame, m.
 struct ClosingTrajectory {
   std::vector<Eigen::Vector4f> open_spheres;  ///< of the whole hand before closing
   std::vector<std::vector<FingerShape>> fingers;
@@ -48,11 +48,12 @@ class PlacedObject {
  public:
   PlacedObject(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
                const Eigen::Isometry3d& T_world_base);
-  /// Of a point in the base's frame, m. Infinite far from the object, where the field ends.
+  /// Signed distance of a point in the base's frame from the object's surface, m; negative inside,
+  /// infinite far from the object, where the field ends.
   float distance(const Eigen::Vector3f& p) const;
-  /// Above the table, m.
+  /// Height of a point in the base's frame above the table, m.
   float height(const Eigen::Vector3f& p) const;
-  /// Outward normal near the surface, in the base's axes.
+  /// Outward normal of the object at a point (base's frame) near its surface, in the base's axes.
   Eigen::Vector3d normal(const Eigen::Vector3f& p) const;
 
  private:

@@ -23,9 +23,10 @@ struct ForceDistribution {
 
 /// Least net wrench over the friction cones (four edges each) of contacts that press with `total`
 /// (N) altogether, with a slight preference for forces that are shared evenly.
-/// Without contacts the imbalance is infinite.
+/// Without contacts the wrench residual is infinite.
 ///
 /// @param contacts  in any one frame; the forces and the load are in the same
+/// @param friction  coefficient, of all contacts
 ForceDistribution distribute_forces(std::span<const tactile::Contact> contacts, double friction,
                                     double total, const std::optional<Load>& load = {});
 

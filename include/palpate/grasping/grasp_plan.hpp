@@ -55,6 +55,8 @@ std::optional<GraspPlan> close_virtually(const geometry::ObjectModel& object,
 
 /// All places where the opened hand can come down freely and its thumb and another finger then meet
 /// the object, in a fixed order. Their costs are for the object just where it is.
+/// @param attitude  pitch and roll of the base, rad
+/// @param avoid  yaws of the base (rad) that have failed before
 std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
                                    const Eigen::Isometry3d& T_world_object,
                                    const ClosingTrajectory& path, const hand::Attitude& attitude,

@@ -13,7 +13,8 @@ struct WeightedPose {
   double weight = 0;
 };
 
-/// Largest distance between poses that count as the same one.
+/// Largest distance between poses that count as the same one: the default PoseTolerance, to the
+/// digits that a configuration file has.
 struct SamePose {
   double angle = 0.0872665;  ///< rad (5 deg)
   double distance = 0.010;   ///< m

@@ -22,7 +22,7 @@ struct FreeSphere {
 struct TableSupport {
   Eigen::Isometry3d T_frame_table;  ///< table frame: z up, z = 0 the surface; x, y the rough place
   std::vector<double>
-      stable_pose_weights;      ///< one per KnownObject::stable poses; empty: their probabilities
+      stable_pose_weights;      ///< one per KnownObject::stable_poses; empty: their probabilities
   double tilt_sigma = 0.02;     ///< rad
   double height_sigma = 0.001;  ///< m
   /// m by which the surface on which it rests is off: it leans (geometry::RestingSlack) and stands

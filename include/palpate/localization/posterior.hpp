@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "palpate/core/angle.hpp"
 #include "palpate/core/se3.hpp"
 
 namespace palpate::localization {
@@ -56,6 +57,20 @@ struct PoseError {
   double rotation = 0;     ///< rad
   double translation = 0;  ///< of the volume centroid, m
 };
+
+/// How close two poses must be to count as the same. The default is that of the probability stated
+/// for a pose.
+struct PoseTolerance {
+  double rotation = 0.0872664625997165;  ///< rad (5 deg)
+  double translation = 0.010;            ///< m
+};
+
+/// How close a right pose is to the truth. The default tolerance has the same angle rounded to 15
+/// digits; results can be repeated bit for bit only while both keep their values.
+inline constexpr PoseTolerance kRightPose{5 * kDegree, 0.010};
+
+/// True when both errors are below the tolerance.
+bool within(const PoseError& error, const PoseTolerance& tolerance = kRightPose);
 
 /// Distance of a pose from the truth, modulo the object's symmetries.
 PoseError pose_error(const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,

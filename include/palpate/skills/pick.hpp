@@ -12,7 +12,7 @@
 #include "palpate/skills/grasp/track_phase.hpp"
 #include "palpate/skills/phase.hpp"
 #include "palpate/skills/place/place_phase.hpp"
-#include "palpate/skills/probe/probe_phase.hpp"
+#include "palpate/skills/probe/palpation_phase.hpp"
 
 namespace palpate::skills {
 

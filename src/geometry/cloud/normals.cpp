@@ -165,13 +165,6 @@ std::optional<Eigen::Vector3d> plane_normal(const KdTree& tree, const Eigen::Vec
   return fitted_normal(tree.points(), indices);
 }
 
-std::vector<Eigen::Vector3d> plane_normals(const KdTree& tree, int neighbours, int threads) {
-  const Lists lists = nearest_lists(tree, neighbours, threads);
-  auto normals = fitted_normals(tree.points(), lists, threads);
-  check_fitted(normals, lists);
-  return normals;
-}
-
 namespace {
 
 /// Fits the normals, of either sign; without points that have none, the others' neighbours change.

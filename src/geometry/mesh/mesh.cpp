@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/mesh/mesh.hpp"
 
+#include <algorithm>
+#include <limits>
+
 namespace palpate::geometry {
 
 Eigen::AlignedBox3d bounds(const TriangleMesh& mesh) {
@@ -18,6 +21,12 @@ double area(const TriangleMesh& mesh) {
     total += (b - a).cross(c - a).norm() / 2;
   }
   return total;
+}
+
+double lowest_point(const Eigen::Isometry3d& T, const TriangleMesh& mesh) {
+  double low = std::numeric_limits<double>::infinity();
+  for (const auto& vertex : mesh.vertices) low = std::min(low, (T * vertex).z());
+  return low;
 }
 
 TriangleMesh transformed(const Eigen::Isometry3d& T, TriangleMesh mesh) {

@@ -21,12 +21,6 @@ struct PosePoint {
   Eigen::Isometry3d isometry() const { return Eigen::Translation3d(t) * q; }
 };
 
-/// How close poses must be to count as the same.
-struct PoseTolerance {
-  double rotation = 0.0872664625997165;  ///< 5 deg
-  double translation = 0.010;            ///< m
-};
-
 /// The poses of a mode: one pose, or its turns about a free axis. Copies of the object turned by a
 /// symmetry are the same pose.
 class PoseFamily {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -25,13 +24,6 @@ constexpr double kGap = 0.02;           // m between the object and a second one
 constexpr int kSettleTicks = 1000, kStillTicks = 30;
 constexpr double kStillSpeed = 0.001;  // m/s
 constexpr double kStillSpin = 0.03;    // rad/s
-
-/// Of a mesh, in the frame to which T leads.
-double lowest_point(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T) {
-  double low = std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector3d& v : mesh.vertices) low = std::min(low, (T * v).z());
-  return low;
-}
 
 }  // namespace
 
@@ -80,7 +72,7 @@ void World::Impl::place_object(const Start& start) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = Eigen::AngleAxisd(start.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
                object.stable_poses[static_cast<std::size_t>(start.stable_pose)].R_table_object;
-  T.translation() << start.xy, kDropHeight - lowest_point(object.mesh, T);
+  T.translation() << start.xy, kDropHeight - geometry::lowest_point(T, object.mesh);
   mjtNum* const position = data->qpos + scene.object_position;
   write_pose(scene.T_world_table * T, position, position + 3);
   if (options.second_object) place_second(T);
@@ -159,8 +151,8 @@ Truth World::truth() const {
     truth.joints.array() += 0.3;
   }
   truth.T_world_table = scene.T_world_table;
-  truth.lowest_point =
-      lowest_point(impl_->solid.object.mesh, scene.T_world_table.inverse() * truth.T_world_object);
+  truth.lowest_point = geometry::lowest_point(scene.T_world_table.inverse() * truth.T_world_object,
+                                              impl_->solid.object.mesh);
   return truth;
 }
 

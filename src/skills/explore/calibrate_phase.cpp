@@ -10,6 +10,7 @@
 #include <span>
 #include <string_view>
 
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/tactile/calibration/link_calibration.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
@@ -140,15 +141,6 @@ void touch_table(Executor& robot, const CalibrationTouch& touch, const Calibrate
   rise(robot, kTravelHeight, options.travel_speed);
 }
 
-hand::BasePosition mean_base_of(std::span<const hand::HandReading> window) {
-  hand::BasePosition mean;
-  for (const auto& reading : window) {
-    mean.xyz += reading.base.xyz / static_cast<double>(window.size());
-    mean.ypr += reading.base.ypr / static_cast<double>(window.size());
-  }
-  return mean;
-}
-
 /// What a fingertip senses through a window of readings, in the distal link's frame.
 struct SensedContacts {
   int readings = 0, contacts = 0;
@@ -188,7 +180,7 @@ void add_resting_tips(std::span<const hand::HandReading> window, double sigma,
     touches.push_back(
         {{static_cast<int>(finger), joints},
          sensed.p,
-         mean_base_of(window).pose().inverse(),
+         estimation::mean_base(window).pose().inverse(),
          std::sqrt(std::max(sigma * sigma, sensed.mean_variance) + sensed.reported_variance)});
   }
 }

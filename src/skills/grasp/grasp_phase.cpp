@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <numbers>
 
-#include "estimation/mean_load.hpp"
 #include "palpate/core/gravity.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/grasping/force_distribution.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/explore/height_probe_phase.hpp"
@@ -29,7 +29,6 @@ constexpr double kSideOvershoot = 0.03;  // m past the object's place where it e
 constexpr double kTopDistance = 0.13;    // m above the object where an approach from above starts
 constexpr double kTopClearance = 0.003;  // m above the table where it ends at the latest
 constexpr double kClear = 0.06;          // m up from where the fingers landed on top
-constexpr double kSafeHeight = 0.34;     // m of the base while it travels
 constexpr std::size_t kTouchReadings = 15;
 constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
 constexpr int kPlans = 6;  // tried for one that can be reached
@@ -41,6 +40,16 @@ hand::BasePosition base_at(const PickState& state, const hand::Preshape& preshap
   const Eigen::Vector2d xy = state.place + turn * Eigen::Vector2d(ahead, left);
   const hand::Attitude& attitude = preshape.attitudes.front();
   return {{xy.x(), xy.y(), height}, {state.yaw, attitude.pitch, attitude.roll}};
+}
+
+/// Comes down until something bears the hand, or its lowest part is just above the table.
+void descend_until_load(Executor& robot, const hand::BasePosition& low,
+                        const ApproachOptions& how) {
+  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), how.contact_load);
+  robot.move_base(low, how.approach_speed, [&](const hand::HandReading& reading) {
+    return loaded(reading) || estimation::lowest_of_hand(robot.model(), reading) < kTopClearance;
+  });
+  robot.wait(0.15);
 }
 
 /// The fingers' command when some of them give back the torque that they close with, which would
@@ -174,11 +183,7 @@ void GraspPhase::approach(Executor& robot, const grasping::GraspPlan& plan,
   hand::BasePosition above = plan.base;
   above.xyz.z() += kTopDistance;
   travel_to(robot, above, robot.model().postures.top, clear_height);
-  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.top.contact_load);
-  robot.move_base(plan.base, options_.top.approach_speed, [&](const hand::HandReading& reading) {
-    return loaded(reading) || estimation::lowest_of_hand(robot.model(), reading) < kTopClearance;
-  });
-  robot.wait(0.15);
+  descend_until_load(robot, plan.base, options_.top);
 }
 
 void GraspPhase::travel_to(Executor& robot, const hand::BasePosition& start,
@@ -188,7 +193,7 @@ void GraspPhase::travel_to(Executor& robot, const hand::BasePosition& start,
   const double low =
       std::min(lowest_on_way(robot.model(), robot.command().positions, now, preshape.open, now),
                lowest_on_way(robot.model(), preshape.open, now, preshape.open, then));
-  const double safe = std::max(kSafeHeight, clear_height - low);
+  const double safe = std::max(kFreeHeight, clear_height - low);
   up.xyz.z() = std::max(up.xyz.z(), safe);
   robot.move_base(up, options_.travel_speed);
   take_posture(robot, preshape.open, 0.4);
@@ -238,11 +243,7 @@ void GraspPhase::descend(Executor& robot, const PickState& state) const {
   const hand::Preshape& preshape = robot.model().postures.top;
   const hand::BasePosition low =
       base_at(state, preshape, preshape.offset.x(), preshape.offset.y(), 0.02);
-  const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.top.contact_load);
-  robot.move_base(low, options_.top.approach_speed, [&](const hand::HandReading& reading) {
-    return loaded(reading) || estimation::lowest_of_hand(robot.model(), reading) < kTopClearance;
-  });
-  robot.wait(0.15);
+  descend_until_load(robot, low, options_.top);
 }
 
 /// Each finger closes until it touches, or is held up by something that it does not sense.

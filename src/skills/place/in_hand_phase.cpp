@@ -7,9 +7,9 @@
 #include <array>
 #include <vector>
 
-#include "estimation/mean_load.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/gravity.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/grasping/force_distribution.hpp"
 #include "skills/grasp/pressing.hpp"
 

@@ -10,9 +10,9 @@
 #include <numbers>
 #include <utility>
 
-#include "estimation/mean_load.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/gravity.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "skills/base_near.hpp"
 #include "skills/explore/extents.hpp"
 #include "skills/grasp/release_phase.hpp"

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 
@@ -42,10 +41,7 @@ double sunk_in_hand(const geometry::KnownObject& object, const HeldObject& held,
   constexpr double kMost = 0.015;  // m: more is an error of the estimate
   const Eigen::Isometry3d T_world_base = goal.base.pose();
   const auto lowest = [&](const Eigen::Isometry3d& T_base_object) {
-    const Eigen::Isometry3d T = T_world_base * T_base_object;
-    double low = std::numeric_limits<double>::infinity();
-    for (const auto& vertex : object.mesh.vertices) low = std::min(low, (T * vertex).z());
-    return low;
+    return geometry::lowest_point(T_world_base * T_base_object, object.mesh);
   };
   return std::clamp(lowest(goal.T_base_object) - lowest(held.T_base_object), 0.0, kMost);
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "estimation/mean_load.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/stop_conditions.hpp"
 #include "skills/opening.hpp"

@@ -39,14 +39,8 @@ std::vector<double> numbers_in(std::string_view text) {
   return values;
 }
 
-double lowest(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T) {
-  double low = std::numeric_limits<double>::infinity();
-  for (const auto& v : mesh.vertices) low = std::min(low, (T * v).z());
-  return low;
-}
-
 void check_pose(const geometry::KnownObject& object, const Eigen::Isometry3d& T) {
-  const double low = lowest(object.mesh, T);
+  const double low = geometry::lowest_point(T, object.mesh);
   if (low < -kSunk) {
     throw BadInput(fmt::format("the target is inside the table: {} would reach {:.1f} mm into it",
                                object.name, -1e3 * low));

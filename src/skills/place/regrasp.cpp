@@ -25,7 +25,7 @@ RegraspOptions closer(RegraspOptions options) {
   return options;
 }
 
-/// A course over several transfers.
+/// A sequence of transfers.
 class Transfers {
  public:
   Transfers(Executor& robot, const PickAndPlaceTask& task, const PhaseObserver& observer)
@@ -73,7 +73,7 @@ class Transfers {
     return !last(round) && (status == PlaceStatus::placed || status == PlaceStatus::missing);
   }
 
-  /// The course's status if this round is the last one.
+  /// The sequence's status if this round is the last one.
   RegraspStatus end_of(const RegraspRound& round) const {
     if (round.pick.fault || (round.place && round.place->fault)) return RegraspStatus::stopped;
     if (!round.pick.held) return RegraspStatus::not_held;

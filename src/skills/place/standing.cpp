@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "skills/place/standing.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "estimation/in_hand_motion.hpp"
 #include "palpate/skills/place/place_target.hpp"
@@ -79,9 +77,7 @@ Eigen::Isometry3d set_on_table(const geometry::KnownObject& object, Eigen::Isome
   T.linear() =
       Eigen::Quaterniond::FromTwoVectors(T.linear() * up, Eigen::Vector3d::UnitZ()) * T.linear();
   T.translation().z() = 0;
-  double low = std::numeric_limits<double>::infinity();
-  for (const auto& vertex : object.mesh.vertices) low = std::min(low, (T * vertex).z());
-  T.translation().z() = -low;
+  T.translation().z() = -geometry::lowest_point(T, object.mesh);
   return T;
 }
 

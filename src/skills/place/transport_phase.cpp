@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <span>
 
-#include "estimation/mean_load.hpp"
 #include "estimation/slip.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "skills/place/weight_bearing.hpp"
 #include "skills/stretched_way.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <span>
 
-#include "estimation/mean_load.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 
 namespace palpate::skills {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <span>
 
-#include "estimation/mean_load.hpp"
 #include "palpate/core/gravity.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/grasping/closing_law.hpp"
 #include "palpate/grasping/closing_trajectory.hpp"
 #include "palpate/grasping/force_distribution.hpp"
@@ -148,9 +148,9 @@ std::vector<FingerProbes::Move> FingerProbes::moves(const Executor& robot,
 }
 
 /// Closes the moved finger virtually, for the heaviest of the poses in question.
-FingerProbes::Foresight FingerProbes::foresee(const Executor& robot, const Posterior& held,
-                                              const Move& move,
-                                              const std::vector<Eigen::Vector3d>& known) const {
+FingerProbes::Prediction FingerProbes::predict(const Executor& robot, const Posterior& held,
+                                               const Move& move,
+                                               const std::vector<Eigen::Vector3d>& known) const {
   const auto finger = static_cast<std::size_t>(move.finger);
   const Eigen::Isometry3d T_world_base = robot.reading().base.pose();
   hand::PerFinger<bool> closing{};
@@ -160,8 +160,8 @@ FingerProbes::Foresight FingerProbes::foresee(const Executor& robot, const Poste
       grasping::closing_trajectory(robot.model(), move.opened, law, closing);
   grasping::end_at_other_fingers(robot.model(), robot.reading().joints, finger, path);
   const auto& shapes = path.fingers[finger];
-  Foresight foresight;
-  if (shapes.size() < 2) return foresight;
+  Prediction prediction;
+  if (shapes.size() < 2) return prediction;
 
   const auto& modes = held.modes;
   double looked_at = 0;
@@ -175,15 +175,15 @@ FingerProbes::Foresight FingerProbes::foresee(const Executor& robot, const Poste
     const bool is_new = std::none_of(known.begin(), known.end(), [&](const Eigen::Vector3d& p) {
       return (p - contact->p).norm() < options_.elsewhere;
     });
-    if (is_new) foresight.chance += modes[i].weight;
+    if (is_new) prediction.chance += modes[i].weight;
   }
-  foresight.chance /= looked_at;
+  prediction.chance /= looked_at;
   const std::size_t stop = first_stop > 0 ? first_stop : shapes.size() - 1;
   const Eigen::Vector3d from = shapes.front().tip.back().cast<double>();
   const Eigen::Vector3d way = shapes[stop].tip.back().cast<double>() - from;
-  foresight.probe = {T_world_base * from, T_world_base.linear() * way.normalized(), 2 * way.norm(),
-                     kTouchSeconds};
-  return foresight;
+  prediction.probe = {T_world_base * from, T_world_base.linear() * way.normalized(), 2 * way.norm(),
+                      kTouchSeconds};
+  return prediction;
 }
 
 std::optional<FingerProbes::Move> FingerProbes::choose(const Executor& robot, const Posterior& held,
@@ -194,12 +194,12 @@ std::optional<FingerProbes::Move> FingerProbes::choose(const Executor& robot, co
   for (const FreeFinger& free : free_fingers(robot, held)) {
     for (const Move& move : moves(robot, free)) {
       if (was_made(robot.model(), move)) continue;
-      const Foresight foresight =
-          foresee(robot, held, move, known[static_cast<std::size_t>(free.finger)]);
-      const bool moves_at_all = foresight.probe.direction.norm() > 0.5;
-      if (!moves_at_all || foresight.chance < options_.likely) continue;
+      const Prediction prediction =
+          predict(robot, held, move, known[static_cast<std::size_t>(free.finger)]);
+      const bool moves_at_all = prediction.probe.direction.norm() > 0.5;
+      if (!moves_at_all || prediction.chance < options_.likely) continue;
       promising.push_back(move);
-      probes.push_back(foresight.probe);
+      probes.push_back(prediction.probe);
     }
   }
   if (probes.empty()) return std::nullopt;

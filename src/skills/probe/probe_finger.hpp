@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "palpate/localization/information/next_touch.hpp"
-#include "palpate/skills/probe/probe_phase.hpp"
+#include "palpate/skills/probe/palpation_phase.hpp"
 #include "skills/probe/probe_choice.hpp"
 
 namespace palpate::skills {
@@ -45,7 +45,7 @@ class FingerProbes {
     hand::ActuatorVector held;  ///< the whole hand, pressing without this finger
   };
   /// How a move should end, by the poses in question.
-  struct Foresight {
+  struct Prediction {
     double chance = 0;  ///< that the tip meets the object where it has not touched it
     localization::TouchAction probe{{0, 0, 0},
                                     {0, 0, 0}};  ///< the tip's way, as if it were straight
@@ -55,8 +55,8 @@ class FingerProbes {
   std::vector<FreeFinger> free_fingers(const Executor& robot,
                                        const localization::Posterior& held) const;
   std::vector<Move> moves(const Executor& robot, const FreeFinger& free) const;
-  Foresight foresee(const Executor& robot, const localization::Posterior& held, const Move& move,
-                    const std::vector<Eigen::Vector3d>& known) const;
+  Prediction predict(const Executor& robot, const localization::Posterior& held, const Move& move,
+                     const std::vector<Eigen::Vector3d>& known) const;
 
   const geometry::ObjectModel& object_;
   const PalpationOptions& options_;

@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
-#include "estimation/mean_load.hpp"
 #include "palpate/core/se3.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/skills/stop_conditions.hpp"
 #include "skills/base_near.hpp"
 

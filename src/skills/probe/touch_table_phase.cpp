@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "estimation/mean_load.hpp"
 #include "palpate/core/gravity.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "skills/probe/table_touch.hpp"
 
 namespace palpate::skills {

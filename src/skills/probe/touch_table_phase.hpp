@@ -2,7 +2,7 @@
 #pragma once
 
 #include "palpate/skills/phase.hpp"
-#include "palpate/skills/probe/probe_phase.hpp"
+#include "palpate/skills/probe/palpation_phase.hpp"
 
 namespace palpate::skills {
 

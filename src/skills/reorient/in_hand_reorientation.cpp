@@ -9,9 +9,9 @@
 #include <limits>
 #include <span>
 
-#include "estimation/mean_load.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/gravity.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/grasping/force_distribution.hpp"
 #include "skills/grasp/pressing.hpp"
 #include "skills/reorient/step_sampler.hpp"

@@ -215,8 +215,7 @@ void check(const geometry::ObjectModel& object, const Eigen::Isometry3d& start,
   if (!start.matrix().allFinite() || !target.matrix().allFinite()) {
     throw BadInput("a pose to be regrasped from or to has a value that is not finite");
   }
-  double low = std::numeric_limits<double>::infinity();
-  for (const auto& v : object.object().mesh.vertices) low = std::min(low, (target * v).z());
+  const double low = geometry::lowest_point(target, object.object().mesh);
   if (low < -kInsideTable) {
     throw BadInput(fmt::format("the target is {:.0f} mm inside the table", -1e3 * low));
   }

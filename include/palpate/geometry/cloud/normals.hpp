@@ -13,25 +13,22 @@ namespace palpate::geometry {
 std::optional<Eigen::Vector3d> plane_normal(const KdTree& tree, const Eigen::Vector3d& at,
                                             int neighbours);
 
-/// Unit normal of the plane through each point's `neighbours` nearest points (itself among them),
-/// by principal components (Hoppe et al. 1992, 3.2); of either sign.
-/// @param threads  the result does not depend on them
-/// @throws BadInput for fewer than three neighbours, or a point whose neighbours are collinear
-std::vector<Eigen::Vector3d> plane_normals(const KdTree& tree, int neighbours, int threads = 1);
-
 /// What becomes of points whose neighbours are collinear, as on a wire or beside a far point.
 enum class CollinearPoints { kRefuse, kDrop };
 
-/// The cloud with plane_normals(), of either sign.
-/// @throws BadInput as plane_normals(), and check_cloud()
+/// The cloud with the unit normal of the plane through each point's `neighbours` nearest points
+/// (itself among them), by principal components (Hoppe et al. 1992, 3.2); of either sign.
+/// @param threads  the result does not depend on them
+/// @throws BadInput as check_cloud(), for fewer than three neighbours, or for a point whose
+///         neighbours are collinear, unless such points are dropped
 PointCloud with_plane_normals(PointCloud cloud, int neighbours, int threads,
                               CollinearPoints collinear);
 
-/// The cloud with normals by planes, flipped so that they agree along a minimum spanning tree of
+/// The cloud with_plane_normals(), flipped so that they agree along a minimum spanning tree of
 /// the neighbours' graph with weights 1 - |n_i . n_j|, each part of it pointing outward at its
 /// highest point (Hoppe et al. 1992, 3.3). For closed surfaces normals then point out.
 /// @param threads  the result does not depend on them
-/// @throws BadInput as plane_normals() and check_cloud()
+/// @throws BadInput as with_plane_normals()
 PointCloud with_normals(PointCloud cloud, int neighbours = 12, int threads = 1,
                         CollinearPoints collinear = CollinearPoints::kRefuse);
 

@@ -19,6 +19,10 @@ Eigen::AlignedBox3d bounds(const TriangleMesh& mesh);
 /// Surface area, m^2.
 double area(const TriangleMesh& mesh);
 
+/// Height (m) of the lowest vertex, along z of the frame to which T leads; infinite for a mesh
+/// without vertices.
+double lowest_point(const Eigen::Isometry3d& T, const TriangleMesh& mesh);
+
 /// The mesh moved by T.
 TriangleMesh transformed(const Eigen::Isometry3d& T, TriangleMesh mesh);
 

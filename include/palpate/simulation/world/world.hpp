@@ -60,7 +60,7 @@ struct WorldOptions {
 
 /// Where the object starts.
 struct Start {
-  int stable_pose = 0;                           ///< index into KnownObject::stable poses
+  int stable_pose = 0;                           ///< index into KnownObject::stable_poses
   double yaw = 0;                                ///< rad
   Eigen::Vector2d xy = Eigen::Vector2d::Zero();  ///< of the centroid, m
 };

@@ -24,7 +24,9 @@ struct ExploreOptions {
   void visit(Visitor&& v) {
     v("touches", touches, 0, 64, "number of guarded moves around the object; 0: none");
     v("max_touches", max_touches, 0, 64,
-      "number of guarded moves at most, including those that distinguish the remaining poses");
+      "number of guarded moves at most, including those that distinguish the remaining poses; if "
+      "not above `touches` (as with `palpate pick --explore`), none of these, but up to `touches` "
+      "more from directions in between, in place of moves that touched nothing");
     v("refining", refining, 0, 64,
       "number of further guarded moves at most, which refine the best pose");
     v("certain", certain, 0.0, 1.0,

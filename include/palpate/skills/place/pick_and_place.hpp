@@ -10,7 +10,7 @@
 
 namespace palpate::skills {
 
-/// Which way was gone, and why.
+/// By which strategy the object was brought to its target, and why.
 struct StrategyTaken {
   /// What became of a planned transfer.
   struct Round {

@@ -60,8 +60,7 @@ PlaceTarget parse_target(std::string_view text, const geometry::KnownObject& obj
 /// @param wanted  the stable pose of the target; -1: drawn
 /// @param reach  m, how far from the origin the spot may be
 /// @throws BadInput for a stable pose that the object does not have, where all are equal by
-/// symmetry, or
-///         for a reach that is too small
+///         symmetry, or for a reach that is too small
 PlaceTarget stable_pose_target(const geometry::KnownObject& object, std::size_t start_stable_pose,
                                int wanted, double reach, std::uint64_t seed);
 

@@ -11,7 +11,7 @@
 
 namespace palpate::skills {
 
-/// How finely a step is searched by rehearsing it.
+/// How finely a step is searched by rollouts of it.
 struct SamplingOptions {
   int samples = 16;              ///< motions rolled out a step; 0: the fingertips just carry along
   double rotation_sigma = 0.02;  ///< rad, spread of the motions' turns

@@ -95,7 +95,7 @@ struct RegraspSequenceOptions {
 
 /// The object is picked up once and put down once.
 struct Transfer {
-  int from = -1, to = -1;  ///< stable poses (KnownObject::stable poses); -1: the start, the target
+  int from = -1, to = -1;  ///< indices into KnownObject::stable_poses; -1: the start, the target
   std::optional<grasping::GraspPlan> grasp;  ///< none: the hand holds the object already
   Eigen::Isometry3d T_world_from = Eigen::Isometry3d::Identity();  ///< the object's poses
   Eigen::Isometry3d T_world_to = Eigen::Isometry3d::Identity();
@@ -105,7 +105,7 @@ struct Transfer {
   double cost = 0;
 };
 
-/// Why a means was chosen or not.
+/// Why a strategy was chosen or not.
 struct StrategyReport {
   Strategy strategy = Strategy::none;
   bool possible = false;
@@ -115,10 +115,10 @@ struct StrategyReport {
 struct RegraspPlan {
   bool found = false;
   Strategy strategy = Strategy::none;
-  std::vector<Transfer> transfers;  ///< in order; empty for Means::none or without a way
+  std::vector<Transfer> transfers;  ///< in order; empty for Strategy::none or without a way
   double cost = 0;                  ///< of all transfers
-  std::vector<StrategyReport>
-      considered;      ///< cheapest means first; those not looked at are missing
+  /// Cheapest strategy first; those not looked at are missing.
+  std::vector<StrategyReport> considered;
   int grasps = 0;      ///< that were examined
   double seconds = 0;  ///< wall time
 };

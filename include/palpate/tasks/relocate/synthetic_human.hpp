@@ -48,7 +48,6 @@ struct SyntheticHumanOptions {
   double noise = 0.0015;        ///< m, of each keypoint's coordinates
   double missing = 0.01;        ///< share of keypoints that are not seen
   double grip_radius = 0.0295;  ///< m, of the object where the fingers hold it
-  double grip_height = 0.005;   ///< m, of the fingertips above the object's frame
 
   template <class Visitor>
   void visit(Visitor&& v) {

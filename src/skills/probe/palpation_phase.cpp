@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/skills/probe/probe_phase.hpp"
+#include "palpate/skills/probe/palpation_phase.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/mean_load.hpp"
 #include "palpate/core/gravity.hpp"
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/localization/consensus.hpp"
 #include "skills/motion_constants.hpp"
 #include "skills/probe/hidden_spin.hpp"
@@ -22,11 +22,9 @@ constexpr double kRegraspSeconds = 14;  // s, of an object on the table
 constexpr double kLiftSeconds = 6;      // s more, where it is to be put down and lifted again
 constexpr double kMinWeight = 0.5;      // of the object's weight, that must still hang
 
+/// Of the object since the hand last let go of it for good.
 int regrasps_made(const estimation::EventLog& log) {
-  const auto moments = log.since_release();
-  return static_cast<int>(std::count_if(moments.begin(), moments.end(), [](const auto& moment) {
-    return moment.event == estimation::TouchEvent::opened;
-  }));
+  return static_cast<int>(log.count(estimation::TouchEvent::opened));
 }
 
 GraspTool tool_of(const Executor& robot) {
@@ -35,7 +33,7 @@ GraspTool tool_of(const Executor& robot) {
   return {grasping::closing_trajectory(robot.model(), preshape.open, law), preshape.attitudes};
 }
 
-/// What could be done next, each with what it promises.
+/// What could be done next, each with its expected gain.
 struct Choices {
   std::optional<FingerProbes::Move> touch;
   std::optional<InformativeGrasp> grasp;
@@ -93,7 +91,7 @@ class Probing {
     return estimation::mean_load(robot_.log()) < kMinWeight * object_.object().mass * kGravity;
   }
 
-  /// What is worth most of what has not been done too often yet.
+  /// The most informative of what has not been done too often yet.
   [[nodiscard]] Choices choices() const {
     Choices next;
     if (!hangs() && touches_ < options_.max) {

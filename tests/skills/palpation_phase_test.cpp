@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/skills/probe/probe_phase.hpp"
+#include "palpate/skills/probe/palpation_phase.hpp"
 
 #include <gtest/gtest.h>
 
