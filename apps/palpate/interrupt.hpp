@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -9,8 +10,8 @@
 
 namespace palpate::app {
 
-/// Turns SIGINT and SIGTERM into a request to stop, while it lives. A second signal ends the
-/// program at once. One at a time. Handled, not blocked: threads of libraries that were started
+/// Turns SIGINT, SIGTERM and, unless it is ignored (nohup), SIGHUP into a request to stop, while it
+/// lives. A second signal ends the program at once. One at a time. Handled, not blocked: threads of libraries that were started
 /// before (OpenMP's) would take a signal that is only blocked here.
 class Interrupt {
  public:
@@ -23,14 +24,15 @@ class Interrupt {
       std::raise(signal);
     };
     action.sa_flags = SA_RESTART;
-    sigaction(SIGINT, &action, &before_[0]);
-    sigaction(SIGTERM, &action, &before_[1]);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) {
+      sigaction(kSignals[i], &action, &before_[i]);
+      if (kSignals[i] == SIGHUP && before_[i].sa_handler == SIG_IGN) restore(i);
+    }
     thread_ = std::jthread([this](const std::stop_token& end) { wait(end); });
   }
   ~Interrupt() {
     thread_ = {};
-    sigaction(SIGINT, &before_[0], nullptr);
-    sigaction(SIGTERM, &before_[1], nullptr);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) restore(i);
   }
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
@@ -38,6 +40,10 @@ class Interrupt {
   [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
 
  private:
+  static constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGHUP};
+
+  void restore(std::size_t i) const { sigaction(kSignals[i], &before_[i], nullptr); }
+
   static std::atomic<int>& received() {
     static std::atomic<int> signal = 0;
     return signal;
@@ -50,7 +56,7 @@ class Interrupt {
     }
   }
 
-  struct sigaction before_[2] = {};
+  std::array<struct sigaction, kSignals.size()> before_ = {};
   std::stop_source source_;
   std::jthread thread_;
 };

@@ -14,7 +14,7 @@ import urllib.parse
 
 import browser
 import cli
-from cli import BAD_INPUT, DONE, QUICK, USAGE, CliTest, main
+from cli import BAD_INPUT, DONE, QUICK, STOPPED, USAGE, CliTest, main
 
 try:
     import ros2_loopback
@@ -166,8 +166,9 @@ class Pick(LiveTest):
         # A message that is not there, one of an earlier run, and no message at all.
         for stated in (f"{first.sender}-{10**12}", f"{'0' * 32}-{last}", last, first.sender):
             self.assertEqual(self.first_message(url, stated), first.messages[0], stated)
-        program.send_signal(signal.SIGINT)
-        program.communicate(timeout=100)
+        program.send_signal(signal.SIGHUP)  # of a terminal that is closed
+        _, err = program.communicate(timeout=100)
+        self.assertEqual(program.returncode, STOPPED, err)
 
     def first_message(self, url, last):
         """Of a stream, to a browser that states the last message that it has."""

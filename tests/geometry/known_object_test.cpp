@@ -124,6 +124,9 @@ TEST_F(KnownObjectFile, SizesThatAHandCannotHoldAreRefused) {
   EXPECT_TRUE(contains(millimetres, "50 x 94 x 175 m")) << millimetres;
   EXPECT_TRUE(contains(millimetres, "millimetres")) << millimetres;
   EXPECT_EQ(complaint(file_of(box_mesh({0.4, 0.1, 0.1}))), "accepted");
+  TriangleMesh with_stray = box_mesh({0.05, 0.1, 0.2});
+  with_stray.vertices.emplace_back(100, 0, 0);  // of no triangle
+  EXPECT_EQ(complaint(file_of(with_stray)), "accepted");
 }
 
 TEST_F(KnownObjectFile, AMeshThatCannotBeRepairedIsNamed) {

@@ -78,9 +78,13 @@ RepairedMesh repair_named(const std::string& name, const TriangleMesh& mesh) {
   }
 }
 
-/// Refuses an object that a hand cannot hold.
+/// Refuses an object that a hand cannot hold. Vertices of no triangle do not count.
 void check_size(const std::string& name, const TriangleMesh& mesh) {
-  const Eigen::Vector3d size = bounds(mesh).sizes();
+  Eigen::AlignedBox3d box;
+  for (const auto& triangle : mesh.triangles) {
+    for (const int i : triangle) box.extend(mesh.vertices.at(static_cast<std::size_t>(i)));
+  }
+  const Eigen::Vector3d size = (box.isEmpty() ? bounds(mesh) : box).sizes();
   const double longest = size.maxCoeff();
   if (longest >= kSmallest && longest <= kLargest) return;
   const std::string measured =
