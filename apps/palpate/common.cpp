@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -114,11 +113,6 @@ nlohmann::json to_json(const Eigen::Isometry3d& T) { return pose_to_row_major(T)
 
 std::string json_text(const nlohmann::json& value, int indent) {
   return value.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-}
-
-std::string in_file_name(std::string name) {
-  std::ranges::replace(name, '/', '_');
-  return name;
 }
 
 void print_json(const nlohmann::json& value) { fmt::print("{}", json_text(value)); }

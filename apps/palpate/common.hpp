@@ -64,9 +64,6 @@ nlohmann::json to_json(const Eigen::Isometry3d& T);
 /// @param indent  columns a level; -1: all in one line
 std::string json_text(const nlohmann::json& value, int indent = 2);
 
-/// A name from a file, in that of a file to write: it must not name folders.
-std::string in_file_name(std::string name);
-
 /// The one JSON object that --json asks for, on stdout.
 void print_json(const nlohmann::json& value);
 

@@ -113,6 +113,12 @@ void print_hand(const simulation::DescribedHand& loaded) {
   if (loaded.problems.empty()) fmt::print("\nNo problems.\n");
 }
 
+/// A name from a hand's file, in that of a picture: it must not name folders.
+std::string in_file_name(std::string name) {
+  std::ranges::replace(name, '/', '_');
+  return name;
+}
+
 /// @return the pictures
 std::vector<fs::path> draw_postures(const hand::Description& hand, const fs::path& folder) {
   fs::create_directories(folder);

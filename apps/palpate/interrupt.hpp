@@ -11,8 +11,8 @@
 namespace palpate::app {
 
 /// Turns SIGINT, SIGTERM and, unless it is ignored (nohup), SIGHUP into a request to stop, while it
-/// lives. A second signal ends the program at once. One at a time. Handled, not blocked: threads of libraries that were started
-/// before (OpenMP's) would take a signal that is only blocked here.
+/// lives. A second signal ends the program at once. One at a time. Handled, not blocked: threads of
+/// libraries that were started before (OpenMP's) would take a signal that is only blocked here.
 class Interrupt {
  public:
   Interrupt() {
