@@ -20,8 +20,8 @@ void set(hand::HandCommand& command, const std::string& actuator, double value) 
 hand::HandCommand above() {
   hand::HandCommand command;
   command.positions.setZero(hand::kShadowActuators);
-  command.base.xyz << -0.027, -0.020, 0.05;
-  command.base.ypr << 0, 0.475, -0.30;
+  command.mount.xyz << -0.027, -0.020, 0.05;
+  command.mount.ypr << 0, 0.475, -0.30;
   set(command, "THJ5", -0.2);
   set(command, "THJ4", 1.03);
   set(command, "THJ2", -0.21);

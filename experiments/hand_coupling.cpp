@@ -43,7 +43,7 @@ Trace follow_path(std::uint64_t seed) {
   simulation::World world(geometry::load_known_object("box"), {}, seed);
   hand::HandCommand command;
   command.positions.setZero(hand::kShadowActuators);
-  command.base.xyz.z() = 0.5;
+  command.mount.xyz.z() = 0.5;
   world.reset({}, command);
   Trace trace;
   const int ticks = static_cast<int>(std::lround(kSeconds / hand::kTick));

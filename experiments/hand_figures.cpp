@@ -99,7 +99,7 @@ void draw_hand_on_edge(const Options& options) {
       ticks, [](const SlideTick& tick) { return tick.true_normals.size() > 1; });
   const recording::Frame& frame = (on_edge == ticks.end() ? ticks.back() : *on_edge).frame;
   auto poses = hand::forward_kinematics(finger.believed_hand(), frame.reading.joints);
-  for (auto& pose : poses) pose = frame.reading.base.pose() * pose;
+  for (auto& pose : poses) pose = frame.reading.mount.pose() * pose;
   const View view{0, 2};
   plotting::Plot plot = drawing("The hand on an edge, which runs along y", view);
   draw_hand(finger.believed_hand(), poses, view, plot);

@@ -25,8 +25,8 @@ constexpr double kTouches = 0.0005;  // m over the table
 constexpr std::size_t kTrials = 6;
 const std::vector<std::string> kObjects = {"mug", "bottle", "box", "bracket", "bunny"};
 
-/// What is looked at; the object's error is from the target, as if the base stood where it is meant
-/// to stand as long as it does not.
+/// What is looked at; the object's error is from the target, as if the mount stood where it is
+/// meant to stand as long as it does not.
 enum Moment {
   closed,
   squeezed,
@@ -53,12 +53,12 @@ struct Outcome {
   std::string end;
   bool tight = false;
   std::array<Error, kMoments> errors;
-  double contact_height = NAN;  // m of the base over its goal, at the first contact
+  double contact_height = NAN;  // m of the mount over its goal, at the first contact
 };
 
 /// Everything that is true at a tick.
 struct Tick {
-  Eigen::Isometry3d T_world_base, T_world_object;
+  Eigen::Isometry3d T_world_mount, T_world_object;
   double lowest = 0;
 };
 
@@ -85,7 +85,7 @@ Error Watch::error_at(std::size_t tick, const PlaceResult& place, bool at_target
   const Tick& at = ticks_[std::min(tick, ticks_.size() - 1)];
   const Eigen::Isometry3d T =
       at_target ? at.T_world_object
-                : place.goal->base.pose() * at.T_world_base.inverse() * at.T_world_object;
+                : place.goal->mount.pose() * at.T_world_mount.inverse() * at.T_world_object;
   Error error;
   error.xy = (T.translation() - place.T_world_target.translation()).head<2>();
   error.angle = localization::pose_error(T, place.T_world_target, object_.symmetries).rotation;
@@ -108,7 +108,7 @@ Outcome Watch::run(const geometry::ObjectModel& model) {
       world_.hand(), world_.hand_model(), waiting_command(world_.hand_model()),
       {[&](const hand::HandReading& reading, const auto&) {
          const auto truth = world_.truth();
-         ticks_.push_back({reading.base.pose(), truth.T_world_object, truth.lowest_point});
+         ticks_.push_back({reading.mount.pose(), truth.T_world_object, truth.lowest_point});
        },
        [&](TouchEvent event) { events[event] = ticks_.size() - 1; },
        {}},
@@ -142,8 +142,8 @@ Outcome Watch::run(const geometry::ObjectModel& model) {
   for (std::size_t m = 0; m < kMoments; ++m) {
     outcome.errors[m] = error_at(moments[m], place, m >= contact);
   }
-  const auto& base = ticks_[touch].T_world_base;
-  outcome.contact_height = base.translation().z() - place.goal->base.xyz.z();
+  const auto& mount = ticks_[touch].T_world_mount;
+  outcome.contact_height = mount.translation().z() - place.goal->mount.xyz.z();
   const Error& end = outcome.errors[withdrawn];
   outcome.tight = end.angle < 3 * kDegree && end.xy.norm() < 0.005;
   return outcome;

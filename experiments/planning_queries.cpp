@@ -36,9 +36,9 @@ pl::Waypoint random_waypoint(RandomStream& random, simulation::CollisionScene& s
   for (;;) {
     pl::Waypoint waypoint;
     waypoint.joints.setZero(hand::kShadowJoints);
-    waypoint.base.xyz << random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3),
+    waypoint.mount.xyz << random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3),
         random.uniform(0.05, 0.35);
-    waypoint.base.ypr << random.uniform(-1.5, 1.5), random.uniform(-0.6, 0.6),
+    waypoint.mount.ypr << random.uniform(-1.5, 1.5), random.uniform(-0.6, 0.6),
         random.uniform(-1.5, 1.5);
     const double bend = random.uniform();
     for (int i = 0; i < hand::kShadowJoints; ++i) {
@@ -60,7 +60,7 @@ bool is_blocked(const pl::Waypoint& start, const pl::Waypoint& goal,
   const pl::Coordinates b = pl::coordinates_of(pl::command_of(goal, scene.hand()));
   for (int i = 1; i < kSteps; ++i) {
     const hand::HandCommand command = pl::command_of(pl::Coordinates(a + i * (b - a) / kSteps));
-    if (scene.deepest_collision(command.base,
+    if (scene.deepest_collision(command.mount,
                                 hand::joints_in_free_flexion(scene.hand(), command.positions))) {
       return true;
     }
@@ -80,7 +80,7 @@ std::vector<pl::Waypoint> random_query(Kind kind, RandomStream& random,
 /// Whether a plan does what it says: every sample is free.
 bool is_sound(const pl::Plan& plan, simulation::CollisionScene& scene) {
   return std::all_of(plan.samples.begin(), plan.samples.end(), [&](const auto& sample) {
-    return !scene.deepest_collision(sample.base,
+    return !scene.deepest_collision(sample.mount,
                                     hand::joints_in_free_flexion(scene.hand(), sample.positions));
   });
 }

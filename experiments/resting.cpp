@@ -38,7 +38,7 @@ Rest rest(const geometry::KnownObject& object, int pose, double seconds) {
   simulation::World world(object, options, 1);
   hand::HandCommand away;
   away.positions.setZero(world.hand_model().actuator_count());
-  away.base.xyz.z() = kHighAbove;
+  away.mount.xyz.z() = kHighAbove;
   world.reset({.stable_pose = pose, .yaw = 0.7}, away);
   const auto now = [&] { return world.truth().T_world_object; };
   Eigen::Isometry3d start = now();

@@ -211,7 +211,7 @@ void experiment_bunny(const Options& options) {
       auto path = way_over(mesh, T_world_object, first.tip().radius, finger, band,
                            options.quick ? 1 : kSeconds);
       const Stand stand = reach.best_stand(finger, azimuth_of(finger), places_of(path));
-      path.R_world_base = stand.R_world_base;
+      path.R_world_mount = stand.R_world_mount;
       SlidingFinger sliding(object, sliding_world(), options.seed, stand.finger);
       const auto ticks = sliding.follow(path, {}, kPress);
       const auto name = fmt::format(

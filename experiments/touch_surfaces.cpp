@@ -71,10 +71,10 @@ class SlideErrors {
  private:
   /// The normals that the reader gives (the solver's, with noise), in the world.
   void take_raw(const hand::HandReading& reading) {
-    const auto T_base_link = hand::forward_kinematics(hand_, reading.joints);
+    const auto T_mount_link = hand::forward_kinematics(hand_, reading.joints);
     const auto finger = static_cast<std::size_t>(kFinger);
     const Eigen::Isometry3d T =
-        reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.fingers[finger].link)];
+        reading.mount.pose() * T_mount_link[static_cast<std::size_t>(hand_.fingers[finger].link)];
     for (const auto& contact : reading.contacts[finger]) {
       const Eigen::Vector3d f = T.linear() * contact.f;
       slide_.forces.push_back(f);

@@ -130,8 +130,8 @@ std::vector<fs::path> draw_postures(const hand::Description& hand, const fs::pat
     simulation::DrawnState state;
     state.T_world_object.translation() << 0, 0, -1;
     state.joints = hand::joints_in_free_flexion(hand, positions);
-    state.base.xyz.z() = 0.2;
-    state.base.ypr << 0, attitude.pitch, attitude.roll;
+    state.mount.xyz.z() = 0.2;
+    state.mount.ypr << 0, attitude.pitch, attitude.roll;
     simulation::Camera camera;
     camera.lookat.z() = 0.18;
     files.push_back(folder / (name + ".png"));

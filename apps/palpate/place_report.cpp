@@ -25,15 +25,15 @@ json error_json(const localization::PoseError& error) {
 json motion_json(const planning::Plan& motion) {
   json corners = json::array();
   for (const auto& corner : motion.corners) {
-    const auto& base = corner.base;
+    const auto& mount = corner.mount;
     corners.push_back(
-        {base.xyz.x(), base.xyz.y(), base.xyz.z(), base.ypr.x(), base.ypr.y(), base.ypr.z()});
+        {mount.xyz.x(), mount.xyz.y(), mount.xyz.z(), mount.ypr.x(), mount.ypr.y(), mount.ypr.z()});
   }
   return {{"status", planning::to_string(motion.status)},
           {"seconds", motion.seconds},
           {"duration", motion.duration()},
           {"checks", motion.checks},
-          {"base_corners", corners}};
+          {"mount_corners", corners}};
 }
 
 json errors_json(const evaluation::ErrorSummary& errors) {
@@ -62,7 +62,7 @@ json round_json(const skills::StrategyTaken::Round& round) {
 json turn_json(const skills::InHandReorientation& turn) {
   const auto& result = turn.result;
   return {{"asked_deg", kDegreesPerRadian * turn.asked.norm()},
-          {"base_turn_deg", kDegreesPerRadian * turn.base_rotation},
+          {"mount_turn_deg", kDegreesPerRadian * turn.mount_rotation},
           {"end", skills::to_string(result.end)},
           {"left", error_json(result.left)},
           {"known", turn.known},

@@ -24,7 +24,7 @@ namespace {
 namespace pl = planning;
 namespace si = simulation;
 
-constexpr double kBaseHeight = 0.3;  // m, where the file does not say: well above the table
+constexpr double kMountHeight = 0.3;  // m, where the file does not say: well above the table
 // An estimate of an object that stands on the table is at most so far off.
 constexpr double kOffTable = 0.01;                      // m
 constexpr double kTilted = 5 * std::numbers::pi / 180;  // rad
@@ -61,10 +61,10 @@ struct Setting {
 Setting read_setting(const PlanArguments& arguments, const std::string& hand) {
   Setting setting;
   setting.hand = si::load_hand(hand);
-  hand::BasePosition base;
-  base.xyz.z() = kBaseHeight;
+  hand::MountPosition mount;
+  mount.xyz.z() = kMountHeight;
   setting.waypoints =
-      pl::parse_waypoints(read_file(arguments.waypoints), arguments.waypoints, base, setting.hand)
+      pl::parse_waypoints(read_file(arguments.waypoints), arguments.waypoints, mount, setting.hand)
           .waypoints;
   setting.held = arguments.held;
   if (arguments.object.empty()) return setting;
@@ -85,7 +85,7 @@ si::CollisionScene make_scene(const Setting& setting, const pl::CollisionOptions
   if (setting.held) {
     const hand::HandCommand start = pl::command_of(setting.waypoints.front(), setting.hand);
     const Eigen::Isometry3d T_world_palm =
-        scene.palm_pose(start.base, hand::joints_in_free_flexion(setting.hand, start.positions));
+        scene.palm_pose(start.mount, hand::joints_in_free_flexion(setting.hand, start.positions));
     scene.hold(T_world_palm.inverse() * setting.T_world_object);
   } else {
     scene.place(setting.T_world_object);
@@ -155,8 +155,8 @@ void print_result(const pl::Plan& plan, const std::optional<pl::TrackingError>& 
   if (!tracking) return;
   fmt::print("tracking error, rms (max): joints {:.2f} ({:.2f}) deg, mount {:.2f} ({:.2f}) mm\n",
              tracking->joint_rms * 180 / std::numbers::pi,
-             tracking->joint_max * 180 / std::numbers::pi, 1e3 * tracking->base_rms,
-             1e3 * tracking->base_max);
+             tracking->joint_max * 180 / std::numbers::pi, 1e3 * tracking->mount_rms,
+             1e3 * tracking->mount_max);
 }
 
 void check(const PlanArguments& arguments) {
@@ -249,7 +249,7 @@ void add_plan(CLI::App& program, Command& chosen) {
       "  palpate plan examples/waypoints.csv --execute\n"
       "  palpate plan examples/waypoints.csv --object box --planner rrt-star --json\n"
       "  palpate plan reach.csv --object mug --pose pose.txt --held --out out/transport\n"
-      "  palpate plan reach.csv --set limits.base_speed=0.1 --set collision.allowed_depth=0.002");
+      "  palpate plan reach.csv --set limits.mount_speed=0.1 --set collision.allowed_depth=0.002");
   command.callback([arguments, &command, &chosen] {
     chosen = [arguments, &command] { return plan(*arguments, command); };
   });

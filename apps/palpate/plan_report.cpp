@@ -17,14 +17,14 @@ namespace pl = planning;
 
 nlohmann::json tracking_json(const pl::TrackingError& error) {
   return {{"joint_rms", error.joint_rms}, {"joint_max", error.joint_max},
-          {"base_rms", error.base_rms},   {"base_max", error.base_max},
+          {"mount_rms", error.mount_rms}, {"mount_max", error.mount_max},
           {"turn_rms", error.turn_rms},   {"turn_max", error.turn_max}};
 }
 
 std::string_view name_of(int coordinate, const hand::Description& hand) {
   const auto k = static_cast<std::size_t>(coordinate);
-  constexpr std::size_t kBase = pl::kBaseCoordinates;
-  return k < kBase ? pl::kBaseNames[k] : hand.actuators[k - kBase].name;
+  constexpr std::size_t kMount = pl::kMountCoordinates;
+  return k < kMount ? pl::kMountNames[k] : hand.actuators[k - kMount].name;
 }
 
 /// Coordinates by how much they move, the most first; those at rest are left out.
@@ -80,13 +80,13 @@ std::string describe_invalid(const std::vector<pl::InvalidWaypoint>& invalid) {
 }
 
 std::string path_csv(const std::vector<hand::HandCommand>& samples, const hand::Description& hand) {
-  std::string text = fmt::format("t_s,{}", fmt::join(pl::kBaseNames, ","));
+  std::string text = fmt::format("t_s,{}", fmt::join(pl::kMountNames, ","));
   for (const hand::Joint& joint : hand.joints) text += "," + joint.name;
   text += "\n";
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const auto& [positions, base] = samples[i];
+    const auto& [positions, mount] = samples[i];
     text += fmt::format("{:.2f},{},{},{}\n", static_cast<double>(i) * hand::kTick,
-                        fmt::join(base.xyz, ","), fmt::join(base.ypr, ","),
+                        fmt::join(mount.xyz, ","), fmt::join(mount.ypr, ","),
                         fmt::join(hand::joints_in_free_flexion(hand, positions), ","));
   }
   return text;

@@ -93,13 +93,13 @@ simulation::DrawnState state_at(const recording::Recording& recording, std::size
   const recording::Frame& frame = recording.frames[reading];
   simulation::DrawnState state{frame.truth->T_world_object,
                                frame.truth->joints,
-                               frame.reading.base,
+                               frame.reading.mount,
                                0,
                                scene.ghosts,
                                scene.caption};
   if (!scene.in_hand) return state;
   const Eigen::Isometry3d moved =
-      frame.reading.base.pose() * recording.frames[scene.from].reading.base.pose().inverse();
+      frame.reading.mount.pose() * recording.frames[scene.from].reading.mount.pose().inverse();
   for (Ghost& ghost : state.ghosts) ghost.T_world_object = moved * ghost.T_world_object;
   return state;
 }

@@ -101,7 +101,7 @@ simulation::DrawnState state_of(const recording::Recording& recording,
                                 const recording::Frame& frame) {
   constexpr double kTargetOpacity = 0.35;
   simulation::DrawnState state{frame.truth->T_world_object, frame.truth->joints,
-                               frame.reading.base};
+                               frame.reading.mount};
   const auto target = recording::target_at(recording.events, frame.reading.time);
   if (target) state.ghosts.push_back({*target, kTargetOpacity});
   return state;
@@ -111,7 +111,7 @@ simulation::Image draw(simulation::Renderer& renderer, const recording::Recordin
                        const recording::Frame& frame, simulation::Camera camera) {
   const Eigen::Isometry3d& T_world_object = frame.truth->T_world_object;
   camera.lookat =
-      0.6 * T_world_object.translation() + 0.4 * frame.reading.base.pose().translation();
+      0.6 * T_world_object.translation() + 0.4 * frame.reading.mount.pose().translation();
   return renderer.render(state_of(recording, frame), camera);
 }
 
@@ -183,19 +183,19 @@ Picture draw_posterior(const recording::Recording& recording, const fs::path& fo
   return film;
 }
 
-/// An episode by touch is of the Adroit hand, whose base is another frame: the Shadow hand is drawn
-/// with its palm where the recorded one is.
+/// An episode by touch is of the Adroit hand, whose mount is another frame: the Shadow hand is
+/// drawn with its palm where the recorded one is.
 void place_by_palm(recording::Recording& recording) {
   const hand::Description& recorded = recording.header.hand;
   const hand::Description drawn = simulation::load_hand(recorded.name);
-  const auto palm_in_base = [](const hand::Description& hand, const hand::JointVector& joints) {
+  const auto palm_in_mount = [](const hand::Description& hand, const hand::JointVector& joints) {
     return hand::forward_kinematics(hand, joints)[static_cast<std::size_t>(hand.palm)];
   };
   for (recording::Frame& frame : recording.frames) {
     const hand::JointVector& joints = frame.truth->joints;
-    frame.reading.base =
-        hand::BasePosition::at(frame.reading.base.pose() * palm_in_base(recorded, joints) *
-                               palm_in_base(drawn, joints).inverse());
+    frame.reading.mount =
+        hand::MountPosition::at(frame.reading.mount.pose() * palm_in_mount(recorded, joints) *
+                                palm_in_mount(drawn, joints).inverse());
   }
 }
 

@@ -66,13 +66,13 @@ std::vector<SensedStream> sense_channels(const SenseArguments& arguments,
   }
   for (const recording::Frame& frame : recording.frames) {
     const auto estimates = fingers.estimate(frame.reading);
-    const auto T_base_link = hand::forward_kinematics(hand, frame.reading.joints);
+    const auto T_mount_link = hand::forward_kinematics(hand, frame.reading.joints);
     for (std::size_t i = 0; i < estimates.size(); ++i) {
       SensedSample sample = without_contact(frame.reading.time, estimates[i].flags);
       if (estimates[i].contact) {
         const auto contact = fingers.in_link(*estimates[i].contact, static_cast<int>(i));
-        const Eigen::Isometry3d T =
-            frame.reading.base.pose() * T_base_link[static_cast<std::size_t>(hand.fingers[i].link)];
+        const Eigen::Isometry3d T = frame.reading.mount.pose() *
+                                    T_mount_link[static_cast<std::size_t>(hand.fingers[i].link)];
         sample.point = T * contact.p;
         sample.force = T.linear() * contact.f;
         sample.normal = T.linear() * contact.n;

@@ -22,17 +22,17 @@ class HandOverFloor : public Hand {
   HandReading step(const HandCommand& command) override {
     HandReading reading;
     reading.time = ++ticks_ * kTick;
-    reading.base = command.base;
+    reading.mount = command.mount;
     reading.joints = joints_in_free_flexion(model_, command.positions);
     for (double& joint : reading.joints) joint += 1e-4 * noise_.normal();  // as of any encoder
     reading.torques = 1e-4 * ActuatorVector::Random(model_.actuator_count());
-    reading.base_force = 0.01 * noise_.normal3();
+    reading.mount_force = 0.01 * noise_.normal3();
     reading.contacts.resize(model_.fingers.size());
     const auto links = forward_kinematics(model_, reading.joints);
     for (std::size_t i = 0; i < model_.fingers.size(); ++i) {
       const Finger& finger = model_.fingers[i];
       const Eigen::Isometry3d T_world_link =
-          command.base.pose() * links[static_cast<std::size_t>(finger.link)];
+          command.mount.pose() * links[static_cast<std::size_t>(finger.link)];
       sense(finger.tip, T_world_link, reading.contacts[i]);
     }
     return reading;

@@ -29,7 +29,7 @@ TEST(OwnHand, IsMovedByItsDriverUntilItTouches) {
   const auto touches = [](const HandReading& reading) {
     return std::ranges::any_of(reading.contacts, [](const auto& tip) { return !tip.empty(); });
   };
-  EXPECT_EQ(robot.move_base({{0, 0, -0.2}}, 0.05, touches), skills::MotionEnd::stopped);
+  EXPECT_EQ(robot.move_mount({{0, 0, -0.2}}, 0.05, touches), skills::MotionEnd::stopped);
   EXPECT_FALSE(robot.fault()) << robot.fault().detail;
 }
 

@@ -42,16 +42,16 @@ class TapPhase : public Phase {
   double time_limit() const override { return 3 * options_.depth / options_.speed; }
 
   PhaseEnd run(Executor& robot, PickState& state) override {
-    const hand::BasePosition start = robot.command().base;
-    hand::BasePosition lowest = start;
+    const hand::MountPosition start = robot.command().mount;
+    hand::MountPosition lowest = start;
     lowest.xyz.z() -= options_.depth;
     const auto touched = [&](const hand::HandReading& reading) {
       return touched_height(reading, robot.model(), options_.force);
     };
-    robot.move_base(lowest, options_.speed,
-                    [&](const auto& reading) { return touched(reading).has_value(); });
+    robot.move_mount(lowest, options_.speed,
+                     [&](const auto& reading) { return touched(reading).has_value(); });
     const auto height = touched(robot.reading());
-    robot.move_base(start, options_.speed);
+    robot.move_mount(start, options_.speed);
     if (!height) return {false, "nothing there"};
     state.height = *height;  // for the phases that follow
     return {true, fmt::format("touched at {:.1f} mm", 1e3 * *height)};

@@ -25,7 +25,7 @@ from sapien import physx  # noqa: E402
 THREE_FINGERS = pathlib.Path(__file__).parents[1] / "hands" / "three_fingers.xml"
 STEP, STEPS = 0.002, 5  # s of the physics, and how many a tick of 10 ms
 SERVO_DAMPING = 0.01  # N m s/rad, of the fingers' controllers
-SLIDE, HINGE = (4000, 253, 200), (200, 12.6, 50)  # stiffness, damping, limit of the base's drives
+SLIDE, HINGE = (4000, 253, 200), (200, 12.6, 50)  # stiffness, damping, limit of the mount's drives
 MOUNT = 4.0, [0.02] * 3  # kg, kg m^2, of hand and wrist, for which the drives are damped
 BASE = [("prismatic", axis, SLIDE) for axis in np.eye(3)]  # x, y, z; then yaw, pitch, roll
 BASE += [("revolute_unwrapped", axis, HINGE) for axis in np.eye(3)[::-1]]
@@ -140,7 +140,7 @@ class HandInSapien(palpate.Hand):
             self.scene.add_entity(entity)
         self.hand = mount.articulation
         moving = [entity.components[0].joint for entity in self.entities]
-        self.joints = [joint for joint in moving if joint.dof]  # base, then in the hand's order
+        self.joints = [joint for joint in moving if joint.dof]  # mount, then in the hand's order
         self.slots = [self.hand.active_joints.index(joint) for joint in self.joints]
         self.order = [6 + a.joints[0][0] for a in description.actuators]
         self.stiffness = np.array([a.stiffness for a in description.actuators])
@@ -160,7 +160,7 @@ class HandInSapien(palpate.Hand):
 
     def targets(self, command):
         q = np.zeros(len(self.joints), np.float32)
-        q[:6] = [*command.base_xyz, *command.base_ypr]
+        q[:6] = [*command.mount_xyz, *command.mount_ypr]
         q[self.order] = command.positions
         return q
 

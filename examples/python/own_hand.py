@@ -28,8 +28,8 @@ class WornThumb(palpate.Hand):
         forces = [sum(-c.force @ c.normal for c in tip) for tip in (worn, *others)]
         self.sensed.append((reading.time, *forces))
         return palpate.HandReading(
-            reading.time, reading.joints, reading.torques, reading.base_xyz, reading.base_ypr,
-            reading.base_force, [worn, *others],
+            reading.time, reading.joints, reading.torques, reading.mount_xyz, reading.mount_ypr,
+            reading.mount_force, [worn, *others],
         )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ HandScene::HandScene(const geometry::KnownObject& object, std::uint64_t seed)
     : world_(object, {}, seed), robot_(make_robot(object, seed)) {}
 
 Eigen::Isometry3d HandScene::in_hand(std::size_t tick) const {
-  return robot_.log().readings[tick].base.pose().inverse() * truths_[tick];
+  return robot_.log().readings[tick].mount.pose().inverse() * truths_[tick];
 }
 
 skills::Executor HandScene::make_robot(const geometry::KnownObject& object, std::uint64_t seed) {

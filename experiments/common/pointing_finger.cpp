@@ -12,7 +12,7 @@ namespace palpate::experiment {
 namespace {
 
 constexpr int kThumb = static_cast<int>(hand::FingerName::thumb);
-constexpr double kPitch = 1.35;  // rad of the base: a straight finger points down
+constexpr double kPitch = 1.35;  // rad of the mount: a straight finger points down
 
 /// Yaw, pitch, roll of R = Rz(yaw) Ry(pitch) Rx(roll).
 Eigen::Vector3d ypr_of(const Eigen::Matrix3d& R) {
@@ -29,7 +29,7 @@ PointingFinger::PointingFinger(hand::Description hand, int finger,
       posture_(posture),
       joints_(hand::joints_in_free_flexion(hand_, posture)) {
   const int distal = hand_.fingers[static_cast<std::size_t>(finger)].link;
-  T_base_distal_ = hand::forward_kinematics(hand_, joints_)[static_cast<std::size_t>(distal)];
+  T_mount_distal_ = hand::forward_kinematics(hand_, joints_)[static_cast<std::size_t>(distal)];
 }
 
 const hand::TipCapsule& PointingFinger::tip() const {
@@ -37,15 +37,15 @@ const hand::TipCapsule& PointingFinger::tip() const {
 }
 
 Eigen::Vector3d PointingFinger::direction() const {
-  return T_base_distal_.linear() * (tip().b - tip().a).normalized();
+  return T_mount_distal_.linear() * (tip().b - tip().a).normalized();
 }
 
-hand::HandCommand PointingFinger::command(const Eigen::Matrix3d& R_world_base,
+hand::HandCommand PointingFinger::command(const Eigen::Matrix3d& R_world_mount,
                                           const Eigen::Vector3d& center) const {
   hand::HandCommand command;
   command.positions = posture_;
-  command.base.ypr = ypr_of(R_world_base);
-  command.base.xyz = center - R_world_base * (T_base_distal_ * tip().b);
+  command.mount.ypr = ypr_of(R_world_mount);
+  command.mount.xyz = center - R_world_mount * (T_mount_distal_ * tip().b);
   return command;
 }
 

@@ -9,7 +9,7 @@
 
 namespace palpate::experiment {
 
-/// A hand that holds one finger out and the others away, led by its base.
+/// A hand that holds one finger out and the others away, led by its mount.
 class PointingFinger {
  public:
   /// @param finger  index into hand::kShadowFingerNames
@@ -21,11 +21,11 @@ class PointingFinger {
   const hand::Description& hand() const { return hand_; }
   const hand::TipCapsule& tip() const;
 
-  /// Where the finger points, in the base's frame.
+  /// Where the finger points, in the mount's frame.
   Eigen::Vector3d direction() const;
 
   /// The command that brings the centre of the tip's round end (m, world) there.
-  hand::HandCommand command(const Eigen::Matrix3d& R_world_base,
+  hand::HandCommand command(const Eigen::Matrix3d& R_world_mount,
                             const Eigen::Vector3d& center) const;
 
  private:
@@ -33,7 +33,7 @@ class PointingFinger {
   int finger_;
   hand::ActuatorVector posture_;
   hand::JointVector joints_;
-  Eigen::Isometry3d T_base_distal_;
+  Eigen::Isometry3d T_mount_distal_;
 };
 
 /// One finger straight, the others curled away; the thumb in some ways, of which it depends on the

@@ -13,7 +13,7 @@ constexpr double kPitches[] = {1.35, 1.0, 0.7, 0.4, 0.1};  // rad, of the finger
 constexpr double kAside[] = {0.0, -0.5, 0.5};              // rad, that it points past the object
 constexpr int kRolls = 8;
 
-/// Orientations of the base in which the finger points down or inwards from the azimuth.
+/// Orientations of the mount in which the finger points down or inwards from the azimuth.
 std::vector<Eigen::Matrix3d> orientations(const PointingFinger& finger, double azimuth) {
   const Eigen::Matrix3d R_x_finger =
       Eigen::Quaterniond::FromTwoVectors(finger.direction(), Eigen::Vector3d::UnitX())
@@ -42,9 +42,9 @@ Reach::Reach(const geometry::KnownObject& object, const Eigen::Isometry3d& T_wor
   scene_.place(T_world_object);
 }
 
-bool Reach::free(const PointingFinger& finger, const Eigen::Matrix3d& R_world_base,
+bool Reach::free(const PointingFinger& finger, const Eigen::Matrix3d& R_world_mount,
                  const Eigen::Vector3d& center) {
-  return !scene_.deepest_collision(finger.command(R_world_base, center).base, finger.joints());
+  return !scene_.deepest_collision(finger.command(R_world_mount, center).mount, finger.joints());
 }
 
 Stand Reach::best_stand(int finger, double azimuth, const std::vector<Eigen::Vector3d>& centers) {

@@ -12,7 +12,7 @@ namespace palpate::experiment {
 /// How the hand is held while a fingertip is led along an object.
 struct Stand {
   PointingFinger finger;
-  Eigen::Matrix3d R_world_base;
+  Eigen::Matrix3d R_world_mount;
   double free_share = 0;  ///< of the places that the tip reaches with nothing else touching
 };
 
@@ -30,7 +30,7 @@ class Reach {
   bool any_finger_reaches(double azimuth, const Eigen::Vector3d& center);
 
  private:
-  bool free(const PointingFinger& finger, const Eigen::Matrix3d& R_world_base,
+  bool free(const PointingFinger& finger, const Eigen::Matrix3d& R_world_mount,
             const Eigen::Vector3d& center);
 
   simulation::CollisionScene scene_;

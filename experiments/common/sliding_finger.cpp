@@ -55,11 +55,11 @@ SlidingFinger::SlidingFinger(const geometry::KnownObject& object,
 
 std::vector<Eigen::Vector3d> SlidingFinger::true_normals(const hand::HandReading& reading,
                                                          const simulation::Truth& truth) const {
-  const auto T_base_link = hand::forward_kinematics(finger_.hand(), truth.joints);
+  const auto T_mount_link = hand::forward_kinematics(finger_.hand(), truth.joints);
   const auto link = static_cast<std::size_t>(
       finger_.hand().fingers[static_cast<std::size_t>(finger_.finger())].link);
   const Eigen::Isometry3d T_object_tip =
-      truth.T_world_object.inverse() * reading.base.pose() * T_base_link[link];
+      truth.T_world_object.inverse() * reading.mount.pose() * T_mount_link[link];
   std::vector<Eigen::Vector3d> normals;
   const auto& tip = finger_.tip();
   const geometry::Capsule capsule{T_object_tip * tip.a, T_object_tip * tip.b, tip.radius};
@@ -92,11 +92,11 @@ SlideTick SlidingFinger::step(const hand::HandCommand& command) {
 std::vector<SlideTick> SlidingFinger::follow(const TipPath& path, const simulation::Start& start,
                                              double force) {
   Eigen::Vector3d offset = kApproach * path.normal[0];
-  world_.reset(start, finger_.command(path.R_world_base, path.center[0] + offset));
+  world_.reset(start, finger_.command(path.R_world_mount, path.center[0] + offset));
   std::vector<SlideTick> ticks;
   bool touches = false;
   for (std::size_t at = 0; at < path.center.size(); at += touches) {
-    ticks.push_back(step(finger_.command(path.R_world_base, path.center[at] + offset)));
+    ticks.push_back(step(finger_.command(path.R_world_mount, path.center[at] + offset)));
     // Pressed by the face that it is on, not by that where it should be: so it gets over edges.
     const auto& normals = ticks.back().true_normals;
     const Eigen::Vector3d& n = normals.empty() ? path.normal[at] : normals[0];

@@ -15,7 +15,7 @@ namespace palpate::experiment {
 /// below it; in the world, m.
 struct TipPath {
   std::vector<Eigen::Vector3d> center, normal;
-  Eigen::Matrix3d R_world_base = pointing_down();  ///< of the hand, all along
+  Eigen::Matrix3d R_world_mount = pointing_down();  ///< of the hand, all along
 };
 
 /// One tick of a slide: what was sensed, and what the simulator knows of the contact.

@@ -29,7 +29,7 @@ using hand::ArmDescription;
 using hand::ArmFollower;
 using hand::ArmJoint;
 using hand::ArmVector;
-using hand::BasePosition;
+using hand::MountPosition;
 using hand::PathFeasibility;
 
 void check_positive(const char* name, double value) {
@@ -313,14 +313,14 @@ void bind_follower(nb::module_& module) {
           "As last commanded, (J,), rad; (0,) before reset().")
       .def(
           "reset",
-          [](ArmFollower& self, nb::object T, const std::vector<BasePosition>& tour) {
+          [](ArmFollower& self, nb::object T, const std::vector<MountPosition>& tour) {
             const Eigen::Isometry3d T_world_mount = pose_from(T, "T_world_mount");
             const WithoutGil release;
             return array_of(self.reset(T_world_mount, tour));
           },
           "T_world_mount"_a, "tour"_a = nb::list(),
           nb::sig("def reset(self, T_world_mount: numpy.typing.ArrayLike, tour: "
-                  "collections.abc.Sequence[BasePosition] = []) -> "
+                  "collections.abc.Sequence[MountPosition] = []) -> "
                   "numpy.typing.NDArray[numpy.float64]"),
           "Starts at a pose of the mount (4, 4): joints (J,), rad, of the branch of the inverse "
           "kinematics from which most of the tour can be followed; see working_tour().\n\nRaises "
@@ -339,7 +339,7 @@ void bind_follower(nb::module_& module) {
           "RuntimeError before reset().")
       .def(
           "check_path",
-          [](const ArmFollower& self, const std::vector<BasePosition>& way) {
+          [](const ArmFollower& self, const std::vector<MountPosition>& way) {
             const WithoutGil release;
             return started(self).check_path(way);
           },

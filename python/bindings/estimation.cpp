@@ -35,8 +35,8 @@ bool is_finite(const hand::TipContact& contact) {
 
 void check_values(const HandReading& reading) {
   bool finite = std::isfinite(reading.time) && reading.joints.allFinite() &&
-                reading.torques.allFinite() && reading.base.xyz.allFinite() &&
-                reading.base.ypr.allFinite() && reading.base_force.allFinite();
+                reading.torques.allFinite() && reading.mount.xyz.allFinite() &&
+                reading.mount.ypr.allFinite() && reading.mount_force.allFinite();
   for (const auto& finger : reading.contacts) {
     for (const auto& contact : finger) finite = finite && is_finite(contact);
   }

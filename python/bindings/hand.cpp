@@ -30,13 +30,15 @@ struct Fields<hand::TipContact> {
 template <>
 struct Fields<hand::HandReading> {
   static auto of(hand::HandReading& it) {
-    return std::tie(it.time, it.joints, it.torques, it.base.xyz, it.base.ypr, it.base_force,
+    return std::tie(it.time, it.joints, it.torques, it.mount.xyz, it.mount.ypr, it.mount_force,
                     it.contacts);
   }
 };
 template <>
 struct Fields<hand::HandCommand> {
-  static auto of(hand::HandCommand& it) { return std::tie(it.positions, it.base.xyz, it.base.ypr); }
+  static auto of(hand::HandCommand& it) {
+    return std::tie(it.positions, it.mount.xyz, it.mount.ypr);
+  }
 };
 
 namespace {
@@ -63,15 +65,15 @@ TipContact make_contact(nb::handle point, nb::handle normal, nb::handle force, d
   return {vector_from(point, "point"), n, vector_from(force, "force"), point_sigma, normal_sigma};
 }
 
-HandReading make_reading(double time, nb::handle joints, nb::handle torques, nb::handle base_xyz,
-                         nb::handle base_ypr, nb::handle base_force,
+HandReading make_reading(double time, nb::handle joints, nb::handle torques, nb::handle mount_xyz,
+                         nb::handle mount_ypr, nb::handle mount_force,
                          std::vector<std::vector<TipContact>> contacts) {
   HandReading reading;
   reading.time = time;
   reading.joints = joint_vector(joints, "joints");
   reading.torques = joint_vector(torques, "torques");
-  reading.base = {vector_from(base_xyz, "base_xyz"), vector_from(base_ypr, "base_ypr")};
-  reading.base_force = vector_from(base_force, "base_force");
+  reading.mount = {vector_from(mount_xyz, "mount_xyz"), vector_from(mount_ypr, "mount_ypr")};
+  reading.mount_force = vector_from(mount_force, "mount_force");
   reading.contacts = std::move(contacts);
   return reading;
 }
@@ -115,19 +117,19 @@ void bind_reading(nb::module_& module) {
       .def(
           "__init__",
           [](HandReading* self, double time, nb::object joints, nb::object torques,
-             nb::object base_xyz, nb::object base_ypr, nb::object base_force,
+             nb::object mount_xyz, nb::object mount_ypr, nb::object mount_force,
              std::vector<std::vector<TipContact>> contacts) {
-            new (self) HandReading(make_reading(time, joints, torques, base_xyz, base_ypr,
-                                                base_force, std::move(contacts)));
+            new (self) HandReading(make_reading(time, joints, torques, mount_xyz, mount_ypr,
+                                                mount_force, std::move(contacts)));
           },
-          "time"_a, "joints"_a, "torques"_a, "base_xyz"_a, "base_ypr"_a, "base_force"_a,
+          "time"_a, "joints"_a, "torques"_a, "mount_xyz"_a, "mount_ypr"_a, "mount_force"_a,
           "contacts"_a,
           nb::sig("def __init__(self, time: float, joints: numpy.typing.ArrayLike, torques: "
-                  "numpy.typing.ArrayLike, base_xyz: numpy.typing.ArrayLike, base_ypr: "
-                  "numpy.typing.ArrayLike, base_force: numpy.typing.ArrayLike, contacts: "
+                  "numpy.typing.ArrayLike, mount_xyz: numpy.typing.ArrayLike, mount_ypr: "
+                  "numpy.typing.ArrayLike, mount_force: numpy.typing.ArrayLike, contacts: "
                   "list[list[TipContact]]) -> None"),
-          "time, s; joints (J,), rad; torques (A,) of the actuators, N m; the measured base: "
-          "base_xyz (3,), m, base_ypr (3,): yaw, pitch, roll, rad; base_force (3,), world axes: "
+          "time, s; joints (J,), rad; torques (A,) of the actuators, N m; the measured mount: "
+          "mount_xyz (3,), m, mount_ypr (3,): yaw, pitch, roll, rad; mount_force (3,), world axes: "
           "force of the arm on the hand beyond what holds the empty hand at rest, N, up when "
           "something hangs in it; contacts: a list for each finger. J, A and the number of fingers "
           "are the hand's, in the order of its "
@@ -140,17 +142,17 @@ void bind_reading(nb::module_& module) {
           "torques", [](const HandReading& self) { return Eigen::VectorXd(self.torques); },
           "Of the actuators, (A,), N m.")
       .def_prop_ro(
-          "base_xyz", [](const HandReading& self) { return self.base.xyz; }, "(3,), m.")
+          "mount_xyz", [](const HandReading& self) { return self.mount.xyz; }, "(3,), m.")
       .def_prop_ro(
-          "base_ypr", [](const HandReading& self) { return self.base.ypr; },
+          "mount_ypr", [](const HandReading& self) { return self.mount.ypr; },
           "Yaw, pitch, roll, (3,), rad.")
-      .def_ro("base_force", &HandReading::base_force, nb::rv_policy::copy, "(3,), world axes, N.")
+      .def_ro("mount_force", &HandReading::mount_force, nb::rv_policy::copy, "(3,), world axes, N.")
       .def_prop_ro(
           "contacts", [](const HandReading& self) { return self.contacts; },
           "A list for each finger.")
       .def("__repr__", [](const HandReading& self) {
-        return fmt::format("HandReading({:.2f} s, {} joints, base force {:.2f} N)", self.time,
-                           self.joints.size(), self.base_force.norm());
+        return fmt::format("HandReading({:.2f} s, {} joints, mount force {:.2f} N)", self.time,
+                           self.joints.size(), self.mount_force.norm());
       });
 }
 
@@ -163,28 +165,28 @@ void bind_command(nb::module_& module) {
           "__init__",
           [](HandCommand* self, nb::object positions, nb::object xyz, nb::object ypr) {
             new (self) HandCommand{joint_vector(positions, "positions"),
-                                   {vector_from(xyz, "base_xyz"), vector_from(ypr, "base_ypr")}};
+                                   {vector_from(xyz, "mount_xyz"), vector_from(ypr, "mount_ypr")}};
           },
-          "positions"_a, "base_xyz"_a, "base_ypr"_a,
-          nb::sig("def __init__(self, positions: numpy.typing.ArrayLike, base_xyz: "
-                  "numpy.typing.ArrayLike, base_ypr: numpy.typing.ArrayLike) -> None"),
-          "positions (A,) of the actuators, rad; base_xyz (3,), m; base_ypr (3,): yaw, pitch, "
+          "positions"_a, "mount_xyz"_a, "mount_ypr"_a,
+          nb::sig("def __init__(self, positions: numpy.typing.ArrayLike, mount_xyz: "
+                  "numpy.typing.ArrayLike, mount_ypr: numpy.typing.ArrayLike) -> None"),
+          "positions (A,) of the actuators, rad; mount_xyz (3,), m; mount_ypr (3,): yaw, pitch, "
           "roll, rad.\n\nRaises ValueError for other shapes.")
       .def_prop_ro(
           "positions", [](const HandCommand& self) { return Eigen::VectorXd(self.positions); },
           "Of the actuators, (A,), rad.")
       .def_prop_ro(
-          "base_xyz", [](const HandCommand& self) { return self.base.xyz; }, "(3,), m.")
+          "mount_xyz", [](const HandCommand& self) { return self.mount.xyz; }, "(3,), m.")
       .def_prop_ro(
-          "base_ypr", [](const HandCommand& self) { return self.base.ypr; },
+          "mount_ypr", [](const HandCommand& self) { return self.mount.ypr; },
           "Yaw, pitch, roll, (3,), rad.")
       .def_prop_ro(
-          "T_world_base", [](const HandCommand& self) { return pose(self.base.pose()); },
-          "The base's pose, (4, 4), m.")
+          "T_world_mount", [](const HandCommand& self) { return pose(self.mount.pose()); },
+          "The mount's pose, (4, 4), m.")
       .def("__repr__", [](const HandCommand& self) {
-        return fmt::format("HandCommand({} actuators, base at ({:.3f}, {:.3f}, {:.3f}) m)",
-                           self.positions.size(), self.base.xyz.x(), self.base.xyz.y(),
-                           self.base.xyz.z());
+        return fmt::format("HandCommand({} actuators, mount at ({:.3f}, {:.3f}, {:.3f}) m)",
+                           self.positions.size(), self.mount.xyz.x(), self.mount.xyz.y(),
+                           self.mount.xyz.z());
       });
 }
 
@@ -211,7 +213,7 @@ void bind_hand(nb::module_& module) {
   bind_command(module);
   nb::class_<DescribedHand, HandTrampoline>(
       module, "Hand",
-      "A hand with tactile fingertips on a 6-DoF base. Subclass it and write step(command): apply "
+      "A hand with tactile fingertips on a 6-DoF mount. Subclass it and write step(command): apply "
       "the command for one tick of 10 ms and return the HandReading at its end. An exception in "
       "it, another answer, or one that comes too late (safety.watchdog) is a fault that stops a "
       "pick.")

@@ -17,7 +17,7 @@ namespace {
 
 namespace nb = nanobind;
 using hand::ArmReading;
-using hand::BasePosition;
+using hand::MountPosition;
 using hand::TipContact;
 
 /// Python's answer, made of it by `convert`, with the GIL.
@@ -64,7 +64,7 @@ void Raised::keep(const nb::python_error& error) {
   throw std::runtime_error(one_line(error));
 }
 
-void PythonArm::move(const BasePosition& target) {
+void PythonArm::move(const MountPosition& target) {
   answer_of(
       *this, raised, "move", [](const nb::object&) {}, target);
 }
@@ -78,7 +78,7 @@ std::optional<ArmReading> PythonArm::read() {
   return answer_of(*this, raised, "read", convert);
 }
 
-hand::PathFeasibility PythonArm::check_path(std::span<const BasePosition> way) const {
+hand::PathFeasibility PythonArm::check_path(std::span<const MountPosition> way) const {
   const auto convert = [](const nb::object& answer) -> hand::PathFeasibility {
     if (nb::isinstance<hand::PathFeasibility>(answer)) {
       return nb::cast<hand::PathFeasibility>(answer);
@@ -90,7 +90,7 @@ hand::PathFeasibility PythonArm::check_path(std::span<const BasePosition> way) c
     return {.obstacle = std::move(obstacle)};
   };
   return answer_of(*this, raised, "check_path", convert,
-                   std::vector<BasePosition>(way.begin(), way.end()));
+                   std::vector<MountPosition>(way.begin(), way.end()));
 }
 
 std::optional<std::vector<TipContact>> PythonSensor::read() {

@@ -22,10 +22,10 @@ class PythonArm : public hand::Arm {
       : name_(std::move(name)), limits_(limits) {}
 
   [[nodiscard]] std::string name() const override { return name_; }
-  void move(const hand::BasePosition& target) override;
+  void move(const hand::MountPosition& target) override;
   std::optional<hand::ArmReading> read() override;
   [[nodiscard]] hand::PathFeasibility check_path(
-      std::span<const hand::BasePosition> way) const override;
+      std::span<const hand::MountPosition> way) const override;
   [[nodiscard]] hand::MountLimits mount_limits() const override { return limits_; }
 
   mutable Raised raised;

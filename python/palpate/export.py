@@ -34,7 +34,7 @@ FORMAT_VERSION = 4  # of recordings, that is read; before it, the header has no 
 class Episode:
     """A recording as arrays of one row a tick, T rows.
 
-    features: name to (T, n) float32; names: of the n columns of each. SI units; the base is x, y, z
+    features: name to (T, n) float32; names: of the n columns of each. SI units; the mount is x, y, z
     (m), yaw, pitch, roll (rad) in the world; contact forces (N) and points (m) are in the frame of
     the finger's last link, summed and averaged over its contacts, 0 without one.
     """
@@ -110,16 +110,16 @@ def _episode(path, header, frames):
     joints = [joint["name"] for joint in hand["joints"]]
     actuators = [actuator["name"] for actuator in hand["actuators"]]
     points, forces = _finger_sums(frames["contact_counts"], frames["contacts"])
-    base = [f"base.{axis}" for axis in BASE]
+    mount = [f"mount.{axis}" for axis in BASE]
     commands = np.hstack([frames["command_positions"], frames["command_base_xyz_ypr"]])
     columns = {
-        "observation.state": (joints + base, [frames["joints"], frames["base_xyz_ypr"]]),
+        "observation.state": (joints + mount, [frames["joints"], frames["base_xyz_ypr"]]),
         "observation.torque": (actuators, [frames["torques"]]),
-        "observation.base_force": (_axes(["base"]), [frames["base_force"]]),
+        "observation.mount_force": (_axes(["mount"]), [frames["base_force"]]),
         "observation.contact_force": (_axes(hand["fingers"]), [forces]),
         "observation.contact_point": (_axes(hand["fingers"]), [points]),
         # A frame holds the command that led to it: the action at a step is that of the next one.
-        "action": (actuators + base, [np.vstack([commands[1:], commands[-1:]])]),
+        "action": (actuators + mount, [np.vstack([commands[1:], commands[-1:]])]),
     }
     features = {name: np.hstack(parts).astype(np.float32) for name, (_, parts) in columns.items()}
     for name, values in features.items():

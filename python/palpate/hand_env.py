@@ -12,18 +12,18 @@ from . import _core, sim
 from .envs import known_mode, require_reset, whole_count
 
 _TICKS = 5  # of 10 ms, a step
-_RATES = np.array([0.015] * 3 + [0.075] * 3)  # m, rad: largest change of the base's command a step
+_RATES = np.array([0.015] * 3 + [0.075] * 3)  # m, rad: largest change of the mount's command a step
 _FINGER_RATE = 0.1  # rad a step
-_REACH = 0.5  # m of the base from the origin, to either side and upwards
+_REACH = 0.5  # m of the mount from the origin, to either side and upwards
 
 
 class HandEnv(gymnasium.Env):
     """A simulated hand and an object on a table; environments derive from it.
 
-    Action, (6 + A,), -1..1: change of the commanded base (x, y, z, yaw, pitch, roll) over 15 mm or
+    Action, (6 + A,), -1..1: change of the commanded mount (x, y, z, yaw, pitch, roll) over 15 mm or
     0.075 rad, and of each actuator's command over 0.1 rad, in 50 ms.
-    Observation, of the last tick: `joints` (J,), rad; `torques` (A,), N m; `base` (6,), m and rad;
-    `base_force` (3,), N; `contacts` (F, 9): point (m), normal and force (N) of each fingertip's
+    Observation, of the last tick: `joints` (J,), rad; `torques` (A,), N m; `mount` (6,), m and rad;
+    `mount_force` (3,), N; `contacts` (F, 9): point (m), normal and force (N) of each fingertip's
     strongest contact in its link's frame, zeros for none; `command` (6 + A,), m and rad.
     object: a name, a mesh file in metres, or a palpate.ObjectModel.
     `render_mode="rgb_array"` draws it (height, width, 3) where OpenGL works.
@@ -48,8 +48,8 @@ class HandEnv(gymnasium.Env):
         self.rates = np.concatenate([_RATES, np.full(len(ranges), _FINGER_RATE)])
         self.action_space = spaces.Box(-1, 1, (len(self.low),), np.float64)
         limits = {
-            "joints": (len(description.joints), 10), "torques": (len(ranges), 50), "base": (6, 10),
-            "base_force": (3, 500), "contacts": ((len(description.fingers), 9), 500),
+            "joints": (len(description.joints), 10), "torques": (len(ranges), 50), "mount": (6, 10),
+            "mount_force": (3, 500), "contacts": ((len(description.fingers), 9), 500),
             "command": (len(self.low), 10),
         } | (asked or {})  # fmt: skip
         self.observation_space = spaces.Dict(
@@ -61,7 +61,7 @@ class HandEnv(gymnasium.Env):
 
     def begin(self, command):
         """Starts an episode at a command; returns what the hand senses there."""
-        self.command = np.concatenate([command.base_xyz, command.base_ypr, command.positions])
+        self.command = np.concatenate([command.mount_xyz, command.mount_ypr, command.positions])
         self.steps = 0
         return self._tick(self.command)
 
@@ -90,8 +90,8 @@ class HandEnv(gymnasium.Env):
         reading = self.world.hand.step(_core.HandCommand(command[6:], command[:3], command[3:6]))
         seen = {
             "joints": reading.joints, "torques": reading.torques,
-            "base": np.concatenate([reading.base_xyz, reading.base_ypr]),
-            "base_force": reading.base_force, "contacts": self._strongest(reading.contacts),
+            "mount": np.concatenate([reading.mount_xyz, reading.mount_ypr]),
+            "mount_force": reading.mount_force, "contacts": self._strongest(reading.contacts),
             "command": command,
         }  # fmt: skip
         bounds = self.observation_space

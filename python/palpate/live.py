@@ -54,7 +54,7 @@ def show_posterior(posterior, mesh, entity="posterior"):
 
 
 class WatchedHand(_Hand):
-    """Another Hand that is shown while it is used: its base, the force on it, and the forces of its
+    """Another Hand that is shown while it is used: its mount, the force on it, and the forces of its
     fingertips.
 
     hand: a palpate.Hand, which is stepped as before; every: ticks of 10 ms between two pictures.
@@ -76,10 +76,10 @@ class WatchedHand(_Hand):
 
     def _show(self, command, reading):
         _rerun.set_time("robot_time", duration=reading.time)
-        place = _rerun.Points3D([reading.base_xyz, command.base_xyz], radii=[0.01, 0.005])
-        _rerun.log("hand/base", place)
-        force = _FORCE_LENGTH * reading.base_force
-        _rerun.log("hand/base_force", _rerun.Arrows3D(origins=[reading.base_xyz], vectors=[force]))
+        place = _rerun.Points3D([reading.mount_xyz, command.mount_xyz], radii=[0.01, 0.005])
+        _rerun.log("hand/mount", place)
+        force = _FORCE_LENGTH * reading.mount_force
+        _rerun.log("hand/mount_force", _rerun.Arrows3D(origins=[reading.mount_xyz], vectors=[force]))
         for finger, contacts in zip(self.description.fingers, reading.contacts):
             total = float(_np.linalg.norm(sum((c.force for c in contacts), _np.zeros(3))))
             _rerun.log(f"hand/force/{finger.name}", _rerun.Scalars(total))

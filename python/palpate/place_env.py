@@ -106,7 +106,7 @@ class ReorientEnv(_GoalEnv):
 
     An episode starts with the object grasped from above and lifted by 10 cm. Actions and
     observations are those of palpate.hand_env.HandEnv; `target` (4, 4), the pose to be reached in
-    the frame of the hand's base, T_base_object, is observed too: 10 to 40 deg about any axis from
+    the frame of the hand's mount, T_mount_object, is observed too: 10 to 40 deg about any axis from
     where the object is.
     Reward: by how much the object came nearer, m, 5 cm a radian. An episode terminates once the
     object has been within 5 deg of the target, modulo symmetry, for half a second, or has fallen,
@@ -130,7 +130,7 @@ class ReorientEnv(_GoalEnv):
         return self.asked(sensed), self.info(sensed)
 
     def pose(self):
-        return np.linalg.inv(self.world.T_world_base) @ self.world.truth()
+        return np.linalg.inv(self.world.T_world_mount) @ self.world.truth()
 
     def reached(self, sensed):
         return bool(self.rotation < _REACHED[0] and not self.lost())

@@ -32,7 +32,7 @@ namespace {
 namespace pl = planning;
 using namespace nb::literals;
 
-/// A motion, a row a sample: base x, y, z (m), yaw, pitch, roll (rad), then the actuators (rad).
+/// A motion, a row a sample: mount x, y, z (m), yaw, pitch, roll (rad), then the actuators (rad).
 struct Plan {
   pl::PlanStatus status = pl::PlanStatus::ok;
   std::vector<std::pair<std::size_t, std::string>> faults;
@@ -52,11 +52,11 @@ struct Fields<Plan> {
                     it.checks, it.seconds);
   }
   static void check(const Plan& it) {
-    constexpr Eigen::Index kMost = pl::kBaseCoordinates + hand::kMaxJoints;
+    constexpr Eigen::Index kMost = pl::kMountCoordinates + hand::kMaxJoints;
     const Eigen::Index width = it.samples.cols();
-    if (it.samples.rows() == 0 || (width >= pl::kBaseCoordinates && width <= kMost)) return;
+    if (it.samples.rows() == 0 || (width >= pl::kMountCoordinates && width <= kMost)) return;
     throw BadInput(
-        fmt::format("samples of {} values, not {} to {}", width, +pl::kBaseCoordinates, kMost));
+        fmt::format("samples of {} values, not {} to {}", width, +pl::kMountCoordinates, kMost));
   }
 };
 
@@ -97,15 +97,15 @@ void make_scene(Scene* self, nb::object hand, nb::object object, const nb::dict&
 
 pl::Waypoint waypoint_from(const Eigen::VectorXd& row) {
   pl::Waypoint waypoint;
-  waypoint.base = {row.head<3>(), row.segment<3>(3)};
-  waypoint.joints = row.tail(row.size() - pl::kBaseCoordinates);
+  waypoint.mount = {row.head<3>(), row.segment<3>(3)};
+  waypoint.joints = row.tail(row.size() - pl::kMountCoordinates);
   return waypoint;
 }
 
 /// (N, 6 + J). @throws BadInput for another width
 std::vector<pl::Waypoint> waypoints_from(nb::handle values, const Scene& scene) {
   const Matrix rows = matrix_from(values, "waypoints");
-  const Eigen::Index width = pl::kBaseCoordinates + scene.checker.hand().joint_count();
+  const Eigen::Index width = pl::kMountCoordinates + scene.checker.hand().joint_count();
   if (rows.cols() != width) {
     throw BadInput(
         fmt::format("waypoints has shape ({}, {}), not (N, {}): x, y, z, yaw, pitch, roll and the "
@@ -122,7 +122,7 @@ std::vector<pl::Waypoint> waypoints_from(nb::handle values, const Scene& scene) 
 pl::Waypoint one_waypoint(nb::handle values, const Scene& scene) {
   const auto numbers = numbers_from(values, "waypoint");
   const auto width =
-      static_cast<std::size_t>(pl::kBaseCoordinates + scene.checker.hand().joint_count());
+      static_cast<std::size_t>(pl::kMountCoordinates + scene.checker.hand().joint_count());
   if (numbers.size() != width) {
     throw BadInput(fmt::format("waypoint has {} values, not {}", numbers.size(), width));
   }
@@ -177,7 +177,7 @@ std::optional<std::tuple<std::string, std::string, double>> deepest_collision(Sc
   const pl::Waypoint at = one_waypoint(waypoint, scene);
   const WithoutGil release;
   const std::lock_guard lock(scene.busy);
-  const auto pair = scene.checker.deepest_collision(at.base, at.joints);
+  const auto pair = scene.checker.deepest_collision(at.mount, at.joints);
   if (!pair) return std::nullopt;
   return std::tuple(pair->first, pair->second, pair->depth);
 }
@@ -225,7 +225,7 @@ void bind_scene(nb::module_& module) {
             const pl::Waypoint at = one_waypoint(waypoint, self);
             const WithoutGil release;
             const std::lock_guard lock(self.busy);
-            return pose(self.checker.palm_pose(at.base, at.joints));
+            return pose(self.checker.palm_pose(at.mount, at.joints));
           },
           "waypoint"_a,
           nb::sig("def palm_pose(self, waypoint: numpy.typing.ArrayLike) -> "
@@ -264,7 +264,7 @@ void bind_result(nb::module_& module) {
       .def_prop_ro("commands", &commands_of, "A HandCommand a tick of 10 ms, from start to end.",
                    nb::sig("def commands(self) -> list[palpate._core.HandCommand]"))
       .def_ro("samples", &Plan::samples, nb::rv_policy::copy,
-              "The same as rows (T, 6 + A): base x, y, z (m), yaw, pitch, roll, actuators (rad).")
+              "The same as rows (T, 6 + A): mount x, y, z (m), yaw, pitch, roll, actuators (rad).")
       .def_ro("corners", &Plan::corners, nb::rv_policy::copy,
               "Rows of the path's vertices, all waypoints among them.")
       .def_ro("arrivals", &Plan::arrivals, "Sample at which each waypoint is reached.")
@@ -289,9 +289,9 @@ void bind_plan(nb::module_& module) {
       nb::sig("def plan(waypoints: numpy.typing.ArrayLike, scene: CollisionScene, *, seed: int = "
               "0, options: dict[str, typing.Any] = {}) -> Plan"),
       "A collision-free motion of mount and hand through waypoints, as `palpate plan` makes it "
-      "(Sucan, Moll & Kavraki 2012).\n\nwaypoints (N, 6 + J): base x, y, z (m), yaw, pitch, roll "
+      "(Sucan, Moll & Kavraki 2012).\n\nwaypoints (N, 6 + J): mount x, y, z (m), yaw, pitch, roll "
       "(rad), then the hand's joints (rad) in the order of its description. options: those of "
-      "`palpate options plan` about the search, as {'planner': 'prm', 'limits.base_speed': "
+      "`palpate options plan` about the search, as {'planner': 'prm', 'limits.mount_speed': "
       "0.1}.\n\nRaises ValueError for another shape, fewer than two waypoints and options that "
       "there are not. That no motion is found is a status.");
 }

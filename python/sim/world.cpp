@@ -33,7 +33,7 @@ using namespace nb::literals;
 constexpr int kGrasps = 20;             ///< that are tried
 constexpr double kCentred = 0.25;       ///< share of the start's spread under an open-loop grasp
 constexpr double kGraspYaw = 3;         ///< rad, of the object, about which it is drawn
-constexpr double kAboveMiddle = 0.015;  ///< m, of the base above the object's middle
+constexpr double kAboveMiddle = 0.015;  ///< m, of the mount above the object's middle
 
 /// The world's hand, as Python knows hands.
 class WorldHand final : public DescribedHand {
@@ -41,12 +41,12 @@ class WorldHand final : public DescribedHand {
   explicit WorldHand(simulation::World& world) : DescribedHand(world.hand_model()), world_(world) {}
   hand::HandReading step(const hand::HandCommand& command) override {
     const std::lock_guard lock(busy);
-    base = command.base;
+    mount = command.mount;
     return world_.hand().step(command);
   }
 
-  hand::BasePosition base;  ///< as it was commanded last
-  std::mutex busy;          ///< threads take turns with the world
+  hand::MountPosition mount;  ///< as it was commanded last
+  std::mutex busy;            ///< threads take turns with the world
 
  private:
   simulation::World& world_;
@@ -65,7 +65,7 @@ struct SimulatedWorld {
   void reset(std::uint64_t seed) {
     const std::lock_guard lock(hand.busy);
     evaluation::start_trial(world, model->object(), start, seed);
-    hand.base = evaluation::waiting_command(world.hand_model()).base;
+    hand.mount = evaluation::waiting_command(world.hand_model()).mount;
   }
 
   /// Grasps from above, at starts that the seed draws, until the object hangs in the hand.
@@ -84,7 +84,7 @@ struct SimulatedWorld {
           model->object().stable_poses.at(static_cast<std::size_t>(grasp.start.stable_pose));
       grasp.height = rest.height + kAboveMiddle;
       const bool held = simulation::run_open_loop_grasp(world, grasp, &command);
-      hand.base = command.base;
+      hand.mount = command.mount;
       if (held) return command;
     }
     throw std::runtime_error(fmt::format("'{}' fell in {} grasps", model->object().name, kGrasps));
@@ -94,7 +94,7 @@ struct SimulatedWorld {
     const std::lock_guard lock(hand.busy);
     const simulation::Truth truth = world.truth();
     return renderer.of(width, height, world.hand_model(), model->object())
-        .render({truth.T_world_object, truth.joints, hand.base});
+        .render({truth.T_world_object, truth.joints, hand.mount});
   }
 
   SharedModel model;
@@ -212,8 +212,8 @@ void bind_world(nb::module_& module) {
           [](const SimulatedWorld& self) { return pose(self.world.truth().T_world_object); },
           "True T_world_object, (4, 4); for evaluation only.")
       .def_prop_ro(
-          "T_world_base", [](const SimulatedWorld& self) { return pose(self.hand.base.pose()); },
-          "The hand's base as it was commanded last, (4, 4).")
+          "T_world_mount", [](const SimulatedWorld& self) { return pose(self.hand.mount.pose()); },
+          "The hand's mount as it was commanded last, (4, 4).")
       .def("grasp", &SimulatedWorld::grasp, "seed"_a, nb::call_guard<WithoutGil>(),
            "Puts the object, at a start that the seed draws, into the Shadow hand by a grasp from "
            "above, lifted by 10 cm; returns the command that holds it.\n\nRaises ValueError for a "

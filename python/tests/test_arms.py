@@ -67,8 +67,8 @@ class ArmKinematics(unittest.TestCase):
     def test_a_way_out_of_reach_is_reported(self):
         follower = palpate.ArmFollower(self.arm)
         follower.reset(self.arm.mount_pose(self.joints))
-        start = palpate.BasePosition.at(self.arm.mount_pose(self.joints))
-        way = [palpate.BasePosition(start.xyz + [0.02 * i, 0, 0], start.ypr) for i in range(200)]
+        start = palpate.MountPosition.at(self.arm.mount_pose(self.joints))
+        way = [palpate.MountPosition(start.xyz + [0.02 * i, 0, 0], start.ypr) for i in range(200)]
         checked = follower.check_path(way)
         self.assertIn("out of reach of the arm", checked.obstacle)
         self.assertTrue(0 < checked.feasible < 200)

@@ -71,7 +71,7 @@ class Documentation(unittest.TestCase):
             "credible_mass", "scale",
             "false_alarms", "false_inliers", "stretch", "direction", "normal", "R_table_object",
             "symmetries"}  # fmt: skip
-        poses = {"T_frame_object", "T_world_base", "T_parent_link", "T_target_source", "residual_set"}
+        poses = {"T_frame_object", "T_world_mount", "T_parent_link", "T_target_source", "residual_set"}
         several = {"joints", "resolution_deg"}  # a matrix of ratios; the name says it
         found = 0
         for name, value in self.public():

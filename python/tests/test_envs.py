@@ -155,7 +155,7 @@ class Pick(unittest.TestCase):
         self.assertTrue(truncated)
         self.assertFalse(terminated)
         np.testing.assert_allclose(observation["command"][[0, 2]], [0.3, 0.04], atol=1e-9)
-        self.assertLess(abs(observation["base"][0] - 0.3), 0.03)
+        self.assertLess(abs(observation["mount"][0] - 0.3), 0.03)
 
     def test_what_cannot_be_done_is_refused(self):
         with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "before the first reset"):
@@ -173,7 +173,7 @@ class Pick(unittest.TestCase):
     def test_observations_hold_no_truth(self):
         observation, info = self.env.reset(seed=1)
         self.assertEqual(info["truth"].shape, (4, 4))
-        sensed = {"joints", "torques", "base", "base_force", "contacts", "command"}
+        sensed = {"joints", "torques", "mount", "mount_force", "contacts", "command"}
         self.assertEqual(set(observation), sensed)
         self.assertEqual(observation["contacts"].max(), 0)
 
@@ -226,7 +226,7 @@ class Goals(unittest.TestCase):
         """The environment with its object somewhere else."""
 
         class Moved:
-            hand, T_world_base = env.world.hand, env.world.T_world_base
+            hand, T_world_mount = env.world.hand, env.world.T_world_mount
 
             def truth(self):
                 return pose

@@ -130,8 +130,8 @@ class HeldPose(unittest.TestCase):
         last = self.readings[-1]
         for tick in range(1, 30):
             follower.update(
-                palpate.HandReading(last.time + 0.01 * tick, last.joints, last.torques, last.base_xyz,
-                                    last.base_ypr, last.base_force, [[]] * len(last.contacts))
+                palpate.HandReading(last.time + 0.01 * tick, last.joints, last.torques, last.mount_xyz,
+                                    last.mount_ypr, last.mount_force, [[]] * len(last.contacts))
             )  # fmt: skip
         self.assertEqual(follower.posterior.modes, [])
 
@@ -140,7 +140,7 @@ class HeldPose(unittest.TestCase):
 
         def reading(**changed):
             parts = {name: getattr(last, name) for name in
-                     ("time", "joints", "torques", "base_xyz", "base_ypr", "base_force", "contacts")}  # fmt: skip
+                     ("time", "joints", "torques", "mount_xyz", "mount_ypr", "mount_force", "contacts")}  # fmt: skip
             return palpate.HandReading(**{**parts, **changed})
 
         follower = self.follower()
@@ -150,7 +150,7 @@ class HeldPose(unittest.TestCase):
             ("comes first", lambda: follower.begin(self.near_truth())),
             ("3 joints in the reading", lambda: follower.update(reading(joints=[0] * 3))),
             ("0 fingers in the reading", lambda: follower.update(reading(contacts=[]))),
-            ("is not finite", lambda: follower.update(reading(base_xyz=[np.nan, 0, 0]))),
+            ("is not finite", lambda: follower.update(reading(mount_xyz=[np.nan, 0, 0]))),
             ("is not finite", lambda: follower.update(reading(time=np.nan))),
             ("posterior is of 'mug', not 'box'",
              lambda: follower.begin(palpate.localize(mug, contacts))),

@@ -81,7 +81,7 @@ class Export(unittest.TestCase):
 
     def test_an_episode_holds_what_was_sensed_and_the_next_command(self):
         episode = export.read_episode(self.recording)
-        names = ["j1", "j2", "j3", "base.x"]
+        names = ["j1", "j2", "j3", "mount.x"]
         self.assertEqual(episode.names["observation.state"][:4], names)
         self.assertEqual(episode.features["action"][:, 0].tolist(), [10, 20, 30, 40, 50, 50])
         np.testing.assert_allclose(episode.time, 0.01 * STEPS, atol=1e-12)

@@ -228,7 +228,7 @@ class Live(unittest.TestCase):
         hand = live.WatchedHand(world.hand, every=2)
         command = sim.waiting_command(hand.description)
         text = self.record(lambda: [hand.step(command) for _ in range(4)])
-        self.assertIn("/hand/base_force", text)
+        self.assertIn("/hand/mount_force", text)
         self.assertIn(f"/hand/force/{hand.description.fingers[0].name}", text)
         self.assertIn("robot_time", text)
         with self.assertRaisesRegex(ValueError, "every must be at least 1, not 0"):

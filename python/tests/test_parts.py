@@ -30,7 +30,7 @@ class Lift(palpate.Arm):
 
 
 class Fingers(palpate.Hand):
-    """The simulated hand, which says nothing of its base and of its first finger's contacts."""
+    """The simulated hand, which says nothing of its mount and of its first finger's contacts."""
 
     def __init__(self, inner, arm, tip):
         super().__init__(inner.description)
@@ -41,7 +41,7 @@ class Fingers(palpate.Hand):
         place = self.arm.target
         r = self.inner.step(palpate.HandCommand(command.positions, place.xyz, place.ypr))
         self.arm.reading = palpate.ArmReading(
-            palpate.BasePosition(r.base_xyz, r.base_ypr), r.base_force
+            palpate.MountPosition(r.mount_xyz, r.mount_ypr), r.mount_force
         )
         self.tip.sensed = r.contacts[0]
         return palpate.HandReading(r.time, r.joints, r.torques, [0] * 3, [0] * 3, [0] * 3,
@@ -65,16 +65,16 @@ class JointArm(palpate.Arm):
         super().__init__(arm.name)
         self.arm, self.follower = arm, palpate.ArmFollower(arm)
         start = sim.waiting_command(hand)
-        self.commanded = [self.follower.reset(start.T_world_base, palpate.working_tour(hand))]
+        self.commanded = [self.follower.reset(start.T_world_mount, palpate.working_tour(hand))]
         self.force = np.zeros(3)
 
     def move(self, target):
         self.target = target
-        self.commanded.append(self.follower.follow(target.T_world_base))
+        self.commanded.append(self.follower.follow(target.T_world_mount))
 
     def where(self):
-        """Of the hand's base, by the joints."""
-        return palpate.BasePosition.at(self.arm.mount_pose(self.commanded[-1]), near=self.target)
+        """Of the hand's mount, by the joints."""
+        return palpate.MountPosition.at(self.arm.mount_pose(self.commanded[-1]), near=self.target)
 
     def read(self):
         return palpate.ArmReading(self.where(), self.force)
@@ -93,30 +93,30 @@ class CarriedFingers(palpate.Hand):
     def step(self, command):
         place = self.arm.where()
         r = self.inner.step(palpate.HandCommand(command.positions, place.xyz, place.ypr))
-        self.arm.force = r.base_force
+        self.arm.force = r.mount_force
         return palpate.HandReading(r.time, r.joints, r.torques, [0] * 3, [0] * 3, [0] * 3,
                                    r.contacts)  # fmt: skip
 
 
 class PartTypes(unittest.TestCase):
     def test_positions_and_poses(self):
-        position = palpate.BasePosition([0.1, 0.2, 0.3], [0.5, 0.1, -0.2])
-        again = palpate.BasePosition.at(position.T_world_base)
+        position = palpate.MountPosition([0.1, 0.2, 0.3], [0.5, 0.1, -0.2])
+        again = palpate.MountPosition.at(position.T_world_mount)
         np.testing.assert_allclose(again.xyz, [0.1, 0.2, 0.3])
         np.testing.assert_allclose(again.ypr, [0.5, 0.1, -0.2])
         reading = palpate.ArmReading(position, [0, 0, 2])
-        np.testing.assert_array_equal(reading.base.xyz, [0.1, 0.2, 0.3])
-        np.testing.assert_array_equal(reading.base_force, [0, 0, 2])
-        with self.assertRaisesRegex(ValueError, r"base_force has shape \(2,\)"):
+        np.testing.assert_array_equal(reading.mount.xyz, [0.1, 0.2, 0.3])
+        np.testing.assert_array_equal(reading.mount_force, [0, 0, 2])
+        with self.assertRaisesRegex(ValueError, r"mount_force has shape \(2,\)"):
             palpate.ArmReading(position, [0, 0])
-        with self.assertRaisesRegex(ValueError, "T_world_base"):
-            palpate.BasePosition.at(np.ones((4, 4)))
+        with self.assertRaisesRegex(ValueError, "T_world_mount"):
+            palpate.MountPosition.at(np.ones((4, 4)))
 
     def test_angles_may_be_the_nearest(self):
-        turned = palpate.BasePosition([0, 0, 0.1], [3.3, 0.2, 0])
-        principal = palpate.BasePosition.at(turned.T_world_base)
+        turned = palpate.MountPosition([0, 0, 0.1], [3.3, 0.2, 0])
+        principal = palpate.MountPosition.at(turned.T_world_mount)
         self.assertLess(principal.ypr[0], 0)
-        again = palpate.BasePosition.at(turned.T_world_base, near=turned)
+        again = palpate.MountPosition.at(turned.T_world_mount, near=turned)
         np.testing.assert_allclose(again.ypr, turned.ypr, atol=1e-12)
 
     def test_limits_are_positive(self):
@@ -127,7 +127,7 @@ class PartTypes(unittest.TestCase):
 
     def test_what_is_to_be_written_says_so(self):
         with self.assertRaisesRegex(NotImplementedError, r"move\(target\)"):
-            palpate.Arm("lift").move(palpate.BasePosition([0] * 3, [0] * 3))
+            palpate.Arm("lift").move(palpate.MountPosition([0] * 3, [0] * 3))
         with self.assertRaisesRegex(NotImplementedError, r"read\(\)"):
             palpate.Sensor("thumb").read()
         self.assertEqual(palpate.Arm("lift").check_path([]), "")

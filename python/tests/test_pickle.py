@@ -16,7 +16,7 @@ except ImportError:
     sim = None
 
 STATEFUL = {"Arm", "ArmFollower", "Hand", "HeldPoseFollower", "NormalEstimator", "Sensor", "Tracker"}
-DESCRIPTIONS = {"Actuator", "ArmDescription", "ArmJoint", "ArmReading", "BasePosition", "Finger",
+DESCRIPTIONS = {"Actuator", "ArmDescription", "ArmJoint", "ArmReading", "MountPosition", "Finger",
                 "HandJoint", "HandLink", "PathFeasibility"}  # fmt: skip
 
 
@@ -103,7 +103,7 @@ class Pickles(unittest.TestCase):
                 self.is_frozen(found, f"{where}.{name}")
 
     def test_results_are_frozen(self):
-        place = palpate.BasePosition([1, 2, 3], [0.1, 0.2, 0.3])
+        place = palpate.MountPosition([1, 2, 3], [0.1, 0.2, 0.3])
         values = [*self.some_of_each_class(), *self.free_motions(), *self.free_axes(), place,
                   palpate.ArmReading(place, [1, 2, 3])]  # fmt: skip
         for value in values:

@@ -26,7 +26,7 @@ class Rewritten(palpate.Hand):
         self.ticks += 1
         r = self.inner.step(command)
         return palpate.HandReading(
-            r.time, r.joints, r.torques, r.base_xyz, r.base_ypr, r.base_force,
+            r.time, r.joints, r.torques, r.mount_xyz, r.mount_ypr, r.mount_force,
             [[palpate.TipContact(c.point, c.normal, c.force) for c in tip] for tip in r.contacts],
         )  # fmt: skip
 
@@ -49,7 +49,7 @@ class HandTypes(unittest.TestCase):
         reading = palpate.HandReading(1.5, [0.1, 0.2], [0.3], [1, 2, 3], [0.1, 0, 0], [0, 0, 4],
                                       [[contact], []])  # fmt: skip
         np.testing.assert_array_equal(reading.joints, [0.1, 0.2])
-        np.testing.assert_array_equal(reading.base_force, [0, 0, 4])
+        np.testing.assert_array_equal(reading.mount_force, [0, 0, 4])
         self.assertEqual([len(tip) for tip in reading.contacts], [1, 0])
         np.testing.assert_array_equal(reading.contacts[0][0].normal, [0, 0, 0])
         self.assertEqual(reading.contacts[0][0].point_sigma, 0.002)
@@ -131,8 +131,8 @@ class PickInSimulation(unittest.TestCase):
         class Shorter(Rewritten):
             def step(self, command):
                 r = super().step(command)
-                return palpate.HandReading(r.time, r.joints[:-1], r.torques, r.base_xyz, r.base_ypr,
-                                           r.base_force, r.contacts)  # fmt: skip
+                return palpate.HandReading(r.time, r.joints[:-1], r.torques, r.mount_xyz, r.mount_ypr,
+                                           r.mount_force, r.contacts)  # fmt: skip
 
         result = self.pick(Shorter(self.world().hand))
         self.assertEqual(result.fault, "out_of_range")
@@ -250,7 +250,7 @@ class PickInSimulation(unittest.TestCase):
         self.assertGreaterEqual(around.duration, free.duration)
         self.assertEqual(len(around.commands), len(around.samples))
         self.assertEqual(around.arrivals, [0, len(around.samples) - 1])
-        np.testing.assert_allclose(around.commands[-1].base_xyz, way[1, :3], atol=1e-9)
+        np.testing.assert_allclose(around.commands[-1].mount_xyz, way[1, :3], atol=1e-9)
         again = sim.plan(way, scene, seed=3)
         np.testing.assert_array_equal(again.samples, around.samples)
         inside = sim.plan(np.vstack([way[0], [0.2, 0, 0.16] + [0] * 27]), scene)

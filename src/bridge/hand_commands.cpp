@@ -5,7 +5,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/plausible.hpp"
-#include "palpate/hand/nearest_base.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 #include "palpate/ros2/cdr.hpp"
 #include "palpate/ros2/robot_messages.hpp"
 
@@ -72,14 +72,14 @@ HandCommands::Effect HandCommands::take_mount(std::string_view cdr) {
     const Eigen::Isometry3d T_world_mount = ros2::transform_of(target.pose);
     const std::uint64_t stamp = ros2::nanoseconds_of(target.header.stamp);
     if (stamp == 0) {
-      command_.base = hand::nearest_base(T_world_mount, command_.base);
+      command_.mount = hand::nearest_mount(T_world_mount, command_.mount);
       new_positions_ = new_mount_ = false;
       return Effect::step;
     }
     if (mount_at_ && stamp < *mount_at_) return Effect::none;
     mount_at_ = stamp;
     new_mount_ = true;
-    if (stamp > done_) command_.base = hand::nearest_base(T_world_mount, command_.base);
+    if (stamp > done_) command_.mount = hand::nearest_mount(T_world_mount, command_.mount);
     if (new_positions_) return complete_positions();
     return stamp > done_ ? complete() : Effect::none;
   });

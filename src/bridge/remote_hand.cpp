@@ -10,7 +10,7 @@
 #include "palpate/bridge/hand_peer.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "palpate/hand/nearest_base.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 #include "palpate/ros2/messages/std_msgs.hpp"
 #include "palpate/ros2/messages/trajectory_msgs.hpp"
 
@@ -34,8 +34,8 @@ bool is_elsewhere(const hand::Description& hand, const hand::HandReading& readin
                   const hand::HandCommand& command) {
   const hand::ActuatorVector positions = hand::actuator_positions(hand, reading.joints);
   const Eigen::Matrix3d turned =
-      command.base.pose().linear().transpose() * reading.base.pose().linear();
-  return (reading.base.xyz - command.base.xyz).norm() > kElsewhere ||
+      command.mount.pose().linear().transpose() * reading.mount.pose().linear();
+  return (reading.mount.xyz - command.mount.xyz).norm() > kElsewhere ||
          Eigen::AngleAxisd(turned).angle() > kBentOtherwise ||
          (positions - command.positions).cwiseAbs().maxCoeff() > kBentOtherwise;
 }
@@ -82,7 +82,7 @@ struct RemoteHand::Impl {
 
   void send(const hand::HandCommand& command) {
     const ros2::Time time = ros2::stamp_of(stamp);
-    mount.write({{time, interface.world}, ros2::pose_of(command.base.pose())});
+    mount.write({{time, interface.world}, ros2::pose_of(command.mount.pose())});
     if (positions) {
       positions->write({{}, {command.positions.begin(), command.positions.end()}});
     } else {
@@ -258,7 +258,7 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
     auto standing = impl.standing();
     if (standing && is_elsewhere(impl.hand, *standing, command)) {  // it would jump
       impl.last = std::move(*standing);
-      impl.last->base = hand::nearest_base(impl.last->base.pose(), command.base);
+      impl.last->mount = hand::nearest_mount(impl.last->mount.pose(), command.mount);
       return *impl.last;
     }
     impl.stamp_next();
@@ -277,7 +277,7 @@ hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
     return *impl.last;
   }
   impl.last = impl.last ? std::move(*reading) : impl.settle(std::move(*reading));
-  impl.last->base = hand::nearest_base(impl.last->base.pose(), command.base);
+  impl.last->mount = hand::nearest_mount(impl.last->mount.pose(), command.mount);
   return *impl.last;
 }
 

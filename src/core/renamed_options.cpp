@@ -30,7 +30,12 @@ constexpr std::array<Rename, 11> kRenamedKeys{{
 }};
 
 /// Parts of keys, between dots.
-constexpr std::array<Rename, 45> kRenamedParts{{
+constexpr std::array<Rename, 50> kRenamedParts{{
+    {"base", "mount"},
+    {"base_jump", "mount_jump"},
+    {"base_speed", "mount_speed"},
+    {"base_acceleration", "mount_acceleration"},
+    {"base_lead", "mount_lead"},
     {"felt", "tracking"},
     {"feel", "height_probe"},
     {"locate", "estimation"},

@@ -26,9 +26,9 @@ std::size_t first_of_touch(const EventLog& log, std::size_t finger, std::size_t 
 /// Pose of a finger's link in the world, by some readings.
 Eigen::Isometry3d link_pose(const hand::Description& hand,
                             std::span<const hand::HandReading> readings, std::size_t finger) {
-  const auto T_base_link = hand::forward_kinematics(hand, tactile::mean_joints(readings));
-  return readings.back().base.pose() *
-         T_base_link[static_cast<std::size_t>(hand.fingers[finger].link)];
+  const auto T_mount_link = hand::forward_kinematics(hand, tactile::mean_joints(readings));
+  return readings.back().mount.pose() *
+         T_mount_link[static_cast<std::size_t>(hand.fingers[finger].link)];
 }
 
 /// Of one finger.

@@ -105,7 +105,7 @@ TableSupport table_at_closing(const KnownObject& object, const hand::Description
                               const EventLog& log, const EstimationOptions& options) {
   TableSupport table;
   const auto& closed = log.readings[*log.at(TouchEvent::closed)];
-  table.T_frame_table = closed.base.pose().inverse() * table_at_place(log, options);
+  table.T_frame_table = closed.mount.pose().inverse() * table_at_place(log, options);
   table.stable_pose_weights = stable_pose_weights(object, hand, log, options);
   table.tilt_sigma = options.tilt_sigma;
   table.height_sigma = options.height_sigma;
@@ -147,7 +147,7 @@ std::vector<EventLog::Moment> moments_of_resting(const EventLog& log) {
 }
 
 /// At the end of the lift only: what is sensed later decides.
-/// @param before_lift  in the hand's base
+/// @param before_lift  in the hand's mount
 /// @param probability  of the object
 /// @param posterior  in the world
 void compare_with_tracked(const GraspHistory& held, const localization::Posterior& before_lift,
@@ -158,7 +158,7 @@ void compare_with_tracked(const GraspHistory& held, const localization::Posterio
   localization::Posterior tracked;
   tracked.modes = {track_best_mode(held, held.at, before_lift)};
   tracked.modes.front().weight = probability;
-  transform(held.log.readings[held.at].base.pose(), tracked);
+  transform(held.log.readings[held.at].mount.pose(), tracked);
   add_tracked_pose(tracked.modes.front(), held.model.object().symmetries, posterior);
 }
 
@@ -280,8 +280,8 @@ HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventL
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     hypotheses.push_back(ruled_out_[i] ? kImpossible : hold(i, hand, log, *at, estimate.contacts));
   }
-  const Eigen::Isometry3d T_world_base = log.readings[*at].base.pose();
-  for (auto& hypothesis : hypotheses) transform(T_world_base, hypothesis.posterior);
+  const Eigen::Isometry3d T_world_mount = log.readings[*at].mount.pose();
+  for (auto& hypothesis : hypotheses) transform(T_world_mount, hypothesis.posterior);
   estimate.posterior = conclude(hypotheses);
   const std::size_t best = probabilities_.best;
   if (closed && log.hangs_at(*at) && has_pose(before_lift_[best])) {
@@ -289,7 +289,7 @@ HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventL
                          before_lift_[best].posterior, probabilities_.candidates[best],
                          estimate.posterior);
   }
-  for (auto& contact : estimate.contacts) transform(T_world_base, contact);
+  for (auto& contact : estimate.contacts) transform(T_world_mount, contact);
   return estimate;
 }
 
@@ -306,7 +306,7 @@ void PoseEstimator::look_before_lift(const hand::Description& hand, const EventL
   closed_at_ = closed;
 }
 
-/// The pose in the hand if it is a candidate, in the hand's base.
+/// The pose in the hand if it is a candidate, in the hand's mount.
 localization::ObjectHypothesis PoseEstimator::hold(std::size_t candidate,
                                                    const hand::Description& hand,
                                                    const EventLog& log, std::size_t at,

@@ -57,13 +57,13 @@ struct Part {
 };
 
 std::vector<Part> parts_of(const hand::Description& model, const hand::HandReading& above) {
-  const auto T_base_link = hand::forward_kinematics(model, above.joints);
-  const Eigen::Isometry3d T_world_base = above.base.pose();
+  const auto T_mount_link = hand::forward_kinematics(model, above.joints);
+  const Eigen::Isometry3d T_world_mount = above.mount.pose();
   const double lowest = lowest_of_hand(model, above);
   std::vector<Part> parts;
   for (const auto& sphere : model.spheres) {
     Eigen::Vector3d center =
-        T_world_base * T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
+        T_world_mount * T_mount_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
     center.z() -= lowest;
     parts.push_back({center, sphere.radius});
   }

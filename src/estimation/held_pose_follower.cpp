@@ -56,7 +56,7 @@ void HeldPoseFollower::update(const hand::HandReading& reading) {
   }
   const Eigen::Isometry3d before = T_world_palm_;
   T_world_palm_ =
-      reading.base.pose() *
+      reading.mount.pose() *
       hand::forward_kinematics(hand_, reading.joints)[static_cast<std::size_t>(hand_.palm)];
   if (hand::touching_fingers(reading) >= options_.fingers) {
     touched_at_ = reading.time;
@@ -99,7 +99,7 @@ localization::PosePrior HeldPoseFollower::prior() const {
   const hand::HandReading& last = log_.readings.back();
   const double periods = std::max(1.0, (last.time - known_at_) / options_.period);
   localization::Posterior moved = known_;
-  transform(last.base.pose().inverse() * carried(), moved);
+  transform(last.mount.pose().inverse() * carried(), moved);
   const auto after = [&](double turn, double way) {
     return localization::prior_from_modes(moved, periods * motion_covariance(turn, way));
   };
@@ -140,7 +140,7 @@ HeldPoseEstimate HeldPoseFollower::estimate(const Task& task) const {
   const std::size_t present = task.log.readings.size() - 1;
   localization::Evidence evidence = evidence_in_hand(hand_, task.log, {present, true},
                                                      object_.object().mass, options_.estimation);
-  const Eigen::Isometry3d T_world_base = task.log.readings[present].base.pose();
+  const Eigen::Isometry3d T_world_mount = task.log.readings[present].mount.pose();
   HeldPoseEstimate estimate;
   if (task.known) {
     estimate.posterior = *task.known;
@@ -149,16 +149,16 @@ HeldPoseEstimate HeldPoseFollower::estimate(const Task& task) const {
     estimate.posterior =
         localization::localize(object_, evidence, random_.fork("estimate", task.number),
                                task.prior ? options_.estimation.search : options_.first);
-    transform(T_world_base, estimate.posterior);
+    transform(T_world_mount, estimate.posterior);
   }
   estimate.contacts = std::move(evidence.contacts);
-  for (auto& contact : estimate.contacts) transform(T_world_base, contact);
+  for (auto& contact : estimate.contacts) transform(T_world_mount, contact);
   return estimate;
 }
 
 void HeldPoseFollower::accept(const Task& task, HeldPoseEstimate estimate) {
   if (task.known || task.epoch != epoch_ || estimate.posterior.residual_mass() >= 1) return;
-  use(estimate.contacts, task.log.readings.back().base.pose().inverse());
+  use(estimate.contacts, task.log.readings.back().mount.pose().inverse());
   known_ = std::move(estimate.posterior);
   known_at_ = task.log.readings.back().time;
   motion_of_known_ = task.motion;
@@ -166,8 +166,8 @@ void HeldPoseFollower::accept(const Task& task, HeldPoseEstimate estimate) {
 
 /// Remembers where each finger touched last when that was reckoned with.
 void HeldPoseFollower::use(std::vector<tactile::Contact> contacts,
-                           const Eigen::Isometry3d& T_base_world) {
-  for (auto& contact : contacts) transform(T_base_world, contact);
+                           const Eigen::Isometry3d& T_mount_world) {
+  for (auto& contact : contacts) transform(T_mount_world, contact);
   std::erase_if(used_, [&](const tactile::Contact& before) {
     return std::any_of(contacts.begin(), contacts.end(), [&](const tactile::Contact& contact) {
       return contact.finger == before.finger;

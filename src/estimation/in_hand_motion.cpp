@@ -22,7 +22,7 @@ std::vector<localization::FreeAxis> axes_through(const std::vector<Eigen::Vector
   return axes;
 }
 
-/// How an object moves in the hand's base from one window of readings to the next: as the
+/// How an object moves in the hand's mount from one window of readings to the next: as the
 /// fingertips do where they touch it. With less than three fingers only the displacement is known.
 InHandMotion carried_step(const hand::Description& hand, std::span<const hand::HandReading> before,
                           std::span<const hand::HandReading> after,

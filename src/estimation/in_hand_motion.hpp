@@ -14,10 +14,10 @@ namespace palpate::estimation {
 
 using Fingers = hand::PerFinger<bool>;
 
-/// How the object has moved in the hand's base between two readings.
+/// How the object has moved in the hand's mount between two readings.
 struct InHandMotion {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  /// Axes (m, in the base) about which it may have turned by its own weight without a fingertip
+  /// Axes (m, in the mount) about which it may have turned by its own weight without a fingertip
   /// that measures it: through the contacts, where only one or two carried it. Empty: three or
   /// more did.
   std::vector<localization::FreeAxis> loose = {};

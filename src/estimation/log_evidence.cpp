@@ -26,26 +26,26 @@ constexpr double kPushedMass = 0.05;     // kg; heavier ones move by less, in pr
 
 std::vector<localization::FreeSphere> hand_spheres(const hand::Description& hand,
                                                    const hand::HandReading& reading) {
-  const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
+  const auto T_mount_link = hand::forward_kinematics(hand, reading.joints);
   std::vector<localization::FreeSphere> spheres;
   for (const auto& sphere : hand.spheres) {
     spheres.push_back(
-        {T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center, sphere.radius});
+        {T_mount_link[static_cast<std::size_t>(sphere.link)] * sphere.center, sphere.radius});
   }
   return spheres;
 }
 
 /// The finger that a guarded move is made with: its fingertip is the hand's lowest.
 int probing_finger(const hand::Description& hand, const hand::HandReading& reading) {
-  const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
-  const Eigen::Matrix3d R_world_base = reading.base.pose().linear();
+  const auto T_mount_link = hand::forward_kinematics(hand, reading.joints);
+  const Eigen::Matrix3d R_world_mount = reading.mount.pose().linear();
   int lowest = -1;
   double low = std::numeric_limits<double>::infinity();
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
     if (finger == hand.thumb) continue;
     const auto i = static_cast<std::size_t>(finger);
-    const auto& T = T_base_link[static_cast<std::size_t>(hand.fingers[i].link)];
-    const double height = (R_world_base * (T * hand.fingers[i].tip.b)).z();
+    const auto& T = T_mount_link[static_cast<std::size_t>(hand.fingers[i].link)];
+    const double height = (R_world_mount * (T * hand.fingers[i].tip.b)).z();
     if (height >= low) continue;
     low = height;
     lowest = finger;
@@ -56,20 +56,20 @@ int probing_finger(const hand::Description& hand, const hand::HandReading& readi
 /// Where the probing fingertip has been between two readings, without the last `margin` metres.
 void add_swept_tip(const hand::Description& hand, const EventLog& log, std::size_t first,
                    std::size_t last, double margin, std::vector<localization::FreeSphere>& swept) {
-  const auto T_base_link = hand::forward_kinematics(hand, log.readings[first].joints);
+  const auto T_mount_link = hand::forward_kinematics(hand, log.readings[first].joints);
   const int finger = probing_finger(hand, log.readings[first]);
   const int tip = hand.fingers[static_cast<std::size_t>(finger)].link;
-  const Eigen::Vector3d end = log.readings[last].base.xyz;
+  const Eigen::Vector3d end = log.readings[last].mount.xyz;
   Eigen::Vector3d previous = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   for (std::size_t i = first; i <= last; ++i) {
-    const auto& base = log.readings[i].base;
-    if ((base.xyz - end).norm() < margin) break;
-    if ((base.xyz - previous).norm() < kSweptSpacing) continue;
-    previous = base.xyz;
+    const auto& mount = log.readings[i].mount;
+    if ((mount.xyz - end).norm() < margin) break;
+    if ((mount.xyz - previous).norm() < kSweptSpacing) continue;
+    previous = mount.xyz;
     for (const auto& sphere : hand.spheres) {
       if (sphere.link != tip) continue;
       swept.push_back(
-          {base.pose() * T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center,
+          {mount.pose() * T_mount_link[static_cast<std::size_t>(sphere.link)] * sphere.center,
            sphere.radius});
     }
   }
@@ -87,7 +87,7 @@ std::vector<tactile::Contact> mean_contacts(std::span<const hand::HandReading> w
   return contacts;
 }
 
-/// The links' misplacement displaces all contacts of a finger alike, in the base's axes.
+/// The links' misplacement displaces all contacts of a finger alike, in the mount's axes.
 localization::CommonModeBias finger_offset(const hand::Description& hand, int finger) {
   localization::CommonModeBias offset;
   offset.sigma = tactile::link_offset_sigma(hand, finger);
@@ -153,12 +153,12 @@ void add_probe(const hand::Description& hand, const EventLog& log, std::size_t p
   const auto motion = in_hand_motion(hand, log, probe, present, options.errors, moved).T;
   add_carried(mean_contacts(probed, hand, options.errors), moved, motion, options, evidence);
   if (!options.free_space) return;
-  const auto T_base_link = hand::forward_kinematics(hand, tactile::mean_joints(probed));
+  const auto T_mount_link = hand::forward_kinematics(hand, tactile::mean_joints(probed));
   for (const auto& sphere : hand.spheres) {
     for (std::size_t finger = 0; finger < hand.fingers.size(); ++finger) {
       if (!moved[finger] || sphere.link != hand.fingers[finger].link) continue;
       evidence.free_space.push_back(
-          {motion * T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center,
+          {motion * T_mount_link[static_cast<std::size_t>(sphere.link)] * sphere.center,
            sphere.radius});
     }
   }
@@ -170,10 +170,10 @@ void add_table_touches(const hand::Description& hand, const EventLog& log, std::
                        const EstimationOptions& options, Evidence& evidence) {
   const auto touches = log.all(TouchEvent::table_touched);
   for (std::size_t k = 0; k < touches.size(); ++k) {
-    const Eigen::Isometry3d T_base_table =
-        log.readings[touches[k]].base.pose().inverse() * log.T_world_table;
+    const Eigen::Isometry3d T_mount_table =
+        log.readings[touches[k]].mount.pose().inverse() * log.T_world_table;
     const auto motion = in_hand_motion(hand, log, touches[k], present, options.errors).T;
-    const Eigen::Isometry3d T = motion * T_base_table;
+    const Eigen::Isometry3d T = motion * T_mount_table;
     const Eigen::Vector3d normal = T.linear().col(2);
     const double later = std::sqrt(static_cast<double>(touches.size() - 1 - k));
     evidence.planes.push_back(
@@ -182,13 +182,13 @@ void add_table_touches(const hand::Description& hand, const EventLog& log, std::
   }
 }
 
-/// What the fingertips do to the object that hangs in them, in the hand's base.
+/// What the fingertips do to the object that hangs in them, in the hand's mount.
 localization::ForceBalance balance_of(const std::vector<tactile::Contact>& contacts, double mass,
-                                      const Eigen::Isometry3d& T_world_base,
+                                      const Eigen::Isometry3d& T_world_mount,
                                       const EstimationOptions& options) {
   localization::ForceBalance balance;
   for (const auto& contact : contacts) balance.pushes.push_back({contact.p, contact.n, contact.f});
-  balance.weight = -kGravity * mass * T_world_base.linear().row(2).transpose();
+  balance.weight = -kGravity * mass * T_world_mount.linear().row(2).transpose();
   balance.force_sigma = kForceSigma;
   balance.torsional_friction_radius = options.torsional_friction_radius;
   return balance;
@@ -219,12 +219,12 @@ Evidence evidence_of_guarded_moves(const hand::Description& hand, const EventLog
     if (!touched) continue;
     const int finger = probing_finger(hand, log.readings[moment.reading]);
     if (offset.members.empty()) offset = finger_offset(hand, finger);
-    const Eigen::Isometry3d T_world_base = log.readings[moment.reading].base.pose();
+    const Eigen::Isometry3d T_world_mount = log.readings[moment.reading].mount.pose();
     const auto window = event_window(log, moment.event, moment.reading, options);
     for (auto contact : mean_contacts(window, hand, options.errors)) {
-      transform(T_world_base, contact);
+      transform(T_world_mount, contact);
       contact.point_sigma = std::hypot(contact.point_sigma, push);
-      offset.members.push_back({evidence.contacts.size(), T_world_base.linear()});
+      offset.members.push_back({evidence.contacts.size(), T_world_mount.linear()});
       evidence.contacts.push_back(contact);
     }
   }
@@ -245,7 +245,7 @@ Evidence evidence_in_hand(const hand::Description& hand, const EventLog& log,
   if (options.free_space) evidence.free_space = hand_spheres(hand, log.readings[present]);
   if (options.balance && instant.hangs && !evidence.contacts.empty()) {
     evidence.balance =
-        balance_of(evidence.contacts, mass, log.readings[present].base.pose(), options);
+        balance_of(evidence.contacts, mass, log.readings[present].mount.pose(), options);
   }
   if (log.at(TouchEvent::closed)) {
     for (const std::size_t probe : log.all(TouchEvent::probed)) {

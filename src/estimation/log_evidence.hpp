@@ -18,7 +18,7 @@ struct Instant {
   bool hangs = false;
 };
 
-/// Contacts of the closed hand at an instant, with those of probing since it closed, in its base.
+/// Contacts of the closed hand at an instant, with those of probing since it closed, in its mount.
 /// @param mass  of the object, kg
 localization::Evidence evidence_in_hand(const hand::Description& hand, const EventLog& log,
                                         const Instant& instant, double mass,

@@ -16,21 +16,21 @@ std::span<const hand::HandReading> last_of(const EventLog& log, std::size_t read
 double mean_load(const EventLog& log, std::size_t readings) {
   double sum = 0;
   const auto window = last_of(log, readings);
-  for (const auto& reading : window) sum += reading.base_force.z();
+  for (const auto& reading : window) sum += reading.mount_force.z();
   return sum / static_cast<double>(window.size());
 }
 
-hand::BasePosition mean_base(std::span<const hand::HandReading> readings) {
-  hand::BasePosition mean;
+hand::MountPosition mean_mount(std::span<const hand::HandReading> readings) {
+  hand::MountPosition mean;
   for (const auto& reading : readings) {
-    mean.xyz += reading.base.xyz / static_cast<double>(readings.size());
-    mean.ypr += reading.base.ypr / static_cast<double>(readings.size());
+    mean.xyz += reading.mount.xyz / static_cast<double>(readings.size());
+    mean.ypr += reading.mount.ypr / static_cast<double>(readings.size());
   }
   return mean;
 }
 
-hand::BasePosition mean_base(const EventLog& log, std::size_t readings) {
-  return mean_base(last_of(log, readings));
+hand::MountPosition mean_mount(const EventLog& log, std::size_t readings) {
+  return mean_mount(last_of(log, readings));
 }
 
 }  // namespace palpate::estimation

@@ -32,8 +32,8 @@ OnlineTracker::OnlineTracker(const geometry::ObjectModel& object, const hand::De
 
 void OnlineTracker::update(const hand::HandReading& reading) {
   log_.readings.push_back(reading);
-  const auto T_base_link = hand::forward_kinematics(hand_, reading.joints);
-  palm_.push_back(reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.palm)]);
+  const auto T_mount_link = hand::forward_kinematics(hand_, reading.joints);
+  palm_.push_back(reading.mount.pose() * T_mount_link[static_cast<std::size_t>(hand_.palm)]);
   follow();
   if ((log_.readings.size() - 1) % static_cast<std::size_t>(hand::whole_ticks(options_.period)) !=
       0)
@@ -63,7 +63,7 @@ Eigen::Isometry3d OnlineTracker::T_world_object() const {
   return moved_.empty() ? T : moved_.back() * moved_[known_.reading].inverse() * T;
 }
 
-/// Of the object at the last reading, in the hand's base: where the last estimate has it, or gone
+/// Of the object at the last reading, in the hand's mount: where the last estimate has it, or gone
 /// along with the palm that has touched it since.
 localization::PosePrior OnlineTracker::expected() const {
   const std::size_t since = std::max(coming_.reading, touched_.value_or(palm_.size() - 1));
@@ -73,12 +73,12 @@ localization::PosePrior OnlineTracker::expected() const {
   variance << Eigen::Vector3d::Constant(std::pow(options_.rotation_sigma, 2)),
       Eigen::Vector3d::Constant(std::pow(options_.translation_sigma, 2));
   const Matrix6d covariance = (std::max(1.0, periods) * variance).asDiagonal();
-  const Eigen::Isometry3d T_base_world = log_.readings.back().base.pose().inverse();
+  const Eigen::Isometry3d T_mount_world = log_.readings.back().mount.pose().inverse();
   localization::PosePrior prior;
   for (const Eigen::Isometry3d& motion :
        {Eigen::Isometry3d::Identity(), palm_.back() * palm_[since].inverse()}) {
     localization::Posterior moved = coming_.pose.posterior;
-    transform(T_base_world * motion, moved);
+    transform(T_mount_world * motion, moved);
     for (auto& component : localization::prior_from_modes(moved, covariance).components) {
       component.weight /= 2;
       prior.components.push_back(component);
@@ -92,7 +92,7 @@ localization::PosePrior OnlineTracker::expected() const {
 void OnlineTracker::estimate() {
   const auto start = std::chrono::steady_clock::now();
   const std::size_t present = log_.readings.size() - 1;
-  const Eigen::Isometry3d T_world_base = log_.readings[present].base.pose();
+  const Eigen::Isometry3d T_world_mount = log_.readings[present].mount.pose();
   localization::Evidence evidence =
       evidence_in_hand(hand_, log_, {present, true}, object_.object().mass, options_.estimation);
   evidence.prior = expected();
@@ -101,8 +101,8 @@ void OnlineTracker::estimate() {
       object_, evidence, random_.fork("estimate", static_cast<std::uint64_t>(present)),
       options_.estimation.search);
   if (posterior.residual_mass() < 1) {  // else the contacts leave the pose open
-    transform(T_world_base, posterior);
-    for (auto& contact : evidence.contacts) transform(T_world_base, contact);
+    transform(T_world_mount, posterior);
+    for (auto& contact : evidence.contacts) transform(T_world_mount, contact);
     coming_ = {{std::move(posterior), std::move(evidence.contacts)}, present};
     ++estimates_;
   }

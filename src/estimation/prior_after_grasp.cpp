@@ -37,9 +37,9 @@ std::optional<std::size_t> lifted(const GraspHistory& held) {
   return last;
 }
 
-/// How the object has moved from the closed hand to the lifted one, in the hand's base, as its
+/// How the object has moved from the closed hand to the lifted one, in the hand's mount, as its
 /// contacts wander over it.
-/// @param posterior  at the closed hand, in the base
+/// @param posterior  at the closed hand, in the mount
 Eigen::Isometry3d tracked_motion(const GraspHistory& held, std::size_t lifted,
                                  const localization::Posterior& posterior) {
   return track_best_mode(held, lifted, posterior).T_frame_object *
@@ -54,7 +54,7 @@ struct MeasuredMotion {
 };
 
 /// Where two fingertips hold it, it may have swung as it was tracked, or not at all.
-/// @param posterior  at the closed hand, in the base
+/// @param posterior  at the closed hand, in the mount
 std::vector<MeasuredMotion> measured_motions(const GraspHistory& held,
                                              const localization::Posterior& posterior) {
   const auto move_from = [&](std::size_t first) {
@@ -97,9 +97,9 @@ void loosen(const localization::FreeAxis& axis, double sigma, PosePrior& prior) 
   }
 }
 
-/// In the hand's base, when it closed.
+/// In the hand's mount, when it closed.
 Eigen::Vector3d up_at_closing(const GraspHistory& held) {
-  return held.log.readings[held.closed].base.pose().linear().row(2);
+  return held.log.readings[held.closed].mount.pose().linear().row(2);
 }
 
 /// Motions that closing may cause besides, in one mode.
@@ -115,7 +115,7 @@ struct Disturbance {
 using Disturbances = std::vector<Disturbance>;
 
 /// An object slides over the table until a second finger meets it, for it is light, or fingertips
-/// have pushed it; in the hand's base.
+/// have pushed it; in the hand's mount.
 Matrix6d pushed_covariance(const GraspHistory& held) {
   const double times = std::clamp(kSteadyMass / held.model.object().mass, 1.0, kFarther);
   const double more = times * times - 1;
@@ -132,7 +132,7 @@ Matrix6d pushed_covariance(const GraspHistory& held) {
 }
 
 /// Pushed it slides, and what lies on a round side rocks as fingers close one after the other.
-/// @param resting  at closing, in the hand's base
+/// @param resting  at closing, in the hand's mount
 Disturbances disturbances(const GraspHistory& held, const localization::Posterior& resting) {
   const Matrix6d pushed = pushed_covariance(held);
   const Eigen::Vector3d up = up_at_closing(held);
@@ -152,7 +152,7 @@ localization::Posterior disturbed(localization::Posterior posterior,
   return posterior;
 }
 
-/// @param before  at the reading `closed`, in the hand's base
+/// @param before  at the reading `closed`, in the hand's mount
 /// @param scale   of the motions that the fingertips do not measure
 /// @param disturbances  such motions besides
 PosePrior after_motion(const GraspHistory& held, const localization::Posterior& before,
@@ -187,7 +187,7 @@ bool moved_since(const GraspHistory& held) {
 }  // namespace
 
 PosePrior prior_after_grasp(const GraspHistory& held, localization::Posterior resting) {
-  transform(held.log.readings[held.closed].base.pose().inverse(), resting);
+  transform(held.log.readings[held.closed].mount.pose().inverse(), resting);
   const bool stirred = held.log.has_opened() || moved_since(held);
   return after_motion(held, resting, stirred ? kStirred : 1.0, disturbances(held, resting));
 }

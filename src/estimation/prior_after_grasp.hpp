@@ -15,14 +15,14 @@ struct GraspHistory {
   std::uint64_t seed;
 };
 
-/// Where the object is in the hand's base at the instant, by how it rested: after a grasp that
+/// Where the object is in the hand's mount at the instant, by how it rested: after a grasp that
 /// mostly moved it a little, and by what the fingertips measure of that motion.
 /// @param resting  in the world, with modes
 localization::PosePrior prior_after_grasp(const GraspHistory& held,
                                           localization::Posterior resting);
 
 /// The same, by where it was in the closed hand before that lifted it.
-/// @param before_lift  at the reading `closed`, in the hand's base, with modes
+/// @param before_lift  at the reading `closed`, in the hand's mount, with modes
 localization::PosePrior prior_after_lift(const GraspHistory& held,
                                          const localization::Posterior& before_lift);
 

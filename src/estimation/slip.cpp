@@ -23,11 +23,11 @@ hand::PerFinger<std::optional<Eigen::Vector3d>> places_on_tips(const EventLog& l
   hand::PerFinger<int> counts{};
   const std::size_t count = std::min(last + 1, kDriftReadings);
   const auto window = std::span(log.readings).subspan(last + 1 - count, count);
-  const auto T_base_link = hand::forward_kinematics(hand, log.readings[last].joints);
+  const auto T_mount_link = hand::forward_kinematics(hand, log.readings[last].joints);
   for (const auto& contact : tactile::lasting_contacts(window, hand, {})) {
     const auto finger = static_cast<std::size_t>(contact.finger);
     const auto link = static_cast<std::size_t>(hand.fingers[finger].link);
-    const Eigen::Vector3d p = T_base_link[link].inverse() * contact.p;
+    const Eigen::Vector3d p = T_mount_link[link].inverse() * contact.p;
     const int n = counts[finger]++;
     places[finger] = n == 0 ? p : Eigen::Vector3d((*places[finger] * n + p) / (n + 1));
   }

@@ -16,7 +16,7 @@ namespace {
 
 using Window = std::span<const hand::HandReading>;
 
-/// Contacts in the hand's base, and how fast the fingertips have moved there since the window
+/// Contacts in the hand's mount, and how fast the fingertips have moved there since the window
 /// before.
 localization::TrackFrame look_at(const hand::Description& hand, Window before, Window now,
                                  const tactile::ContactErrorModel& errors) {
@@ -45,7 +45,7 @@ Tracked track(const TrackInput& input, const TrackOptions& options, std::uint64_
   }
   Tracked tracked;
   tracked.posterior = input.start;
-  transform(readings[input.first].base.pose().inverse(), tracked.posterior);
+  transform(readings[input.first].mount.pose().inverse(), tracked.posterior);
   localization::Tracker tracker(input.object, tracked.posterior, options.tracker,
                                 RandomStream(seed, "track"));
   const auto step = static_cast<std::size_t>(std::lround(options.period / hand::kTick));

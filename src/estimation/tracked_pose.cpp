@@ -17,7 +17,7 @@ localization::Mode track_best_mode(const GraspHistory& held, std::size_t until,
                                    const localization::Posterior& before_lift) {
   localization::Posterior start;
   start.modes = {before_lift.modes.front()};
-  transform(held.log.readings[held.closed].base.pose(), start);
+  transform(held.log.readings[held.closed].mount.pose(), start);
   const TrackInput input{.object = held.model,
                          .hand = held.hand,
                          .log = held.log,

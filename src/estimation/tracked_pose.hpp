@@ -8,8 +8,8 @@
 namespace palpate::estimation {
 
 /// The most probable pose at GraspHistory::closed, tracked tick by tick to a later reading as the
-/// contacts wander over the object; in the hand's base.
-/// @param before_lift  at the reading `closed`, in the hand's base, with modes
+/// contacts wander over the object; in the hand's mount.
+/// @param before_lift  at the reading `closed`, in the hand's mount, with modes
 localization::Mode track_best_mode(const GraspHistory& held, std::size_t until,
                                    const localization::Posterior& before_lift);
 

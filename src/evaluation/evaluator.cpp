@@ -33,7 +33,7 @@ double median_tip_force(const hand::HandReading& reading) {
 
 void Evaluator::observe(const hand::HandReading& reading) {
   const simulation::Truth truth = world_.truth();
-  moments_.push_back({reading.base.pose().inverse() * truth.T_world_object, truth.lowest_point});
+  moments_.push_back({reading.mount.pose().inverse() * truth.T_world_object, truth.lowest_point});
 }
 
 TrialMetrics Evaluator::metrics(const skills::PickResult& result, const estimation::EventLog& log,
@@ -44,11 +44,11 @@ TrialMetrics Evaluator::metrics(const skills::PickResult& result, const estimati
   if (const auto held = log.at(estimation::TouchEvent::held); held && !world_.diverged()) {
     const auto hold = static_cast<std::size_t>(std::lround(lift.hold / hand::kTick));
     const std::size_t first = *held - std::min(*held, hold);
-    const auto& before = moments_[first].T_base_object.translation();
+    const auto& before = moments_[first].T_mount_object.translation();
     double lowest = moments_[first].lowest_point;
     for (std::size_t i = first; i <= *held; ++i) {
       metrics.slip =
-          std::max(metrics.slip, (moments_[i].T_base_object.translation() - before).norm());
+          std::max(metrics.slip, (moments_[i].T_mount_object.translation() - before).norm());
       lowest = std::min(lowest, moments_[i].lowest_point);
     }
     metrics.tip_force = median_tip_force(log.readings[*held]);
@@ -87,8 +87,8 @@ void Evaluator::evaluate_tracked(const skills::PickResult& result,
   if (!result.tracked || result.tracked->looks.empty()) return;
   int right = 0;
   for (const auto& look : result.tracked->looks) {
-    const auto error = localization::pose_error(look.T_base_object,
-                                                moments_[look.reading].T_base_object, symmetries);
+    const auto error = localization::pose_error(look.T_mount_object,
+                                                moments_[look.reading].T_mount_object, symmetries);
     metrics.pose_ok_tracked = within(error);
     right += metrics.pose_ok_tracked;
   }
@@ -99,20 +99,20 @@ bool Evaluator::right_in_hand(const std::optional<estimation::HeldPoseEstimate>&
                               std::size_t closed, const estimation::EventLog& log,
                               const std::vector<Eigen::Matrix3d>& symmetries) const {
   if (!estimate || estimate->posterior.modes.empty()) return false;
-  const auto truth = log.readings[closed].base.pose() * moments_[closed].T_base_object;
+  const auto truth = log.readings[closed].mount.pose() * moments_[closed].T_mount_object;
   const auto& best = estimate->posterior.modes[0].T_frame_object;
   return within(localization::pose_error(best, truth, symmetries));
 }
 
 Eigen::Isometry3d Evaluator::object_at(const estimation::EventLog& log, std::size_t reading) const {
-  return log.readings[reading].base.pose() * moments_[reading].T_base_object;
+  return log.readings[reading].mount.pose() * moments_[reading].T_mount_object;
 }
 
 bool Evaluator::left_the_hand(const estimation::EventLog& log, std::size_t first,
                               std::size_t last) const {
-  const Eigen::Vector3d start = moments_[first].T_base_object.translation();
+  const Eigen::Vector3d start = moments_[first].T_mount_object.translation();
   for (std::size_t i = first; i <= std::min(last, log.readings.size() - 1); ++i) {
-    if ((moments_[i].T_base_object.translation() - start).norm() > kLeftHand) return true;
+    if ((moments_[i].T_mount_object.translation() - start).norm() > kLeftHand) return true;
   }
   return false;
 }

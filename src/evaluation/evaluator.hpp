@@ -37,7 +37,7 @@ class Evaluator {
   bool left_the_hand(const estimation::EventLog& log, std::size_t first, std::size_t last) const;
 
   struct Moment {
-    Eigen::Isometry3d T_base_object;
+    Eigen::Isometry3d T_mount_object;
     double lowest_point;
   };
   const simulation::World& world_;

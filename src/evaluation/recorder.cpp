@@ -25,7 +25,7 @@ std::vector<double> planned_path(const skills::PlaceResult& placed) {
   std::vector<double> path;
   for (std::size_t i = 0; i < placed.motion.samples.size(); i += kStep) {
     const Eigen::Vector3d p =
-        placed.motion.samples[i].base.pose() * placed.held.T_base_object.translation();
+        placed.motion.samples[i].mount.pose() * placed.held.T_mount_object.translation();
     path.insert(path.end(), p.begin(), p.end());
   }
   return path;

@@ -48,7 +48,7 @@ bool stays(simulation::World& world, const simulation::Start& start, const Start
 hand::HandCommand waiting_command(const hand::Description& hand) {
   hand::HandCommand command;
   command.positions.setZero(hand.actuator_count());
-  command.base.xyz = {0, 0, 0.34};
+  command.mount.xyz = {0, 0, 0.34};
   return command;
 }
 

@@ -33,10 +33,10 @@ std::vector<Eigen::Vector3d> tip_points(const hand::Finger& finger) {
 }
 
 std::vector<Eigen::Vector3f> placed(const std::vector<Eigen::Vector3d>& points,
-                                    const Eigen::Isometry3d& T_base_link) {
+                                    const Eigen::Isometry3d& T_mount_link) {
   std::vector<Eigen::Vector3f> result;
   result.reserve(points.size());
-  for (const Eigen::Vector3d& p : points) result.emplace_back((T_base_link * p).cast<float>());
+  for (const Eigen::Vector3d& p : points) result.emplace_back((T_mount_link * p).cast<float>());
   return result;
 }
 
@@ -44,10 +44,10 @@ float tip_radius(const hand::Finger& finger) {
   return static_cast<float>(finger.hull ? finger.hull->radius : finger.tip.radius);
 }
 
-Eigen::Vector4f in_base(const hand::LinkSphere& sphere,
-                        const std::vector<Eigen::Isometry3d>& T_base_link) {
+Eigen::Vector4f in_mount(const hand::LinkSphere& sphere,
+                         const std::vector<Eigen::Isometry3d>& T_mount_link) {
   Eigen::Vector4f result;
-  result << (T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center).cast<float>(),
+  result << (T_mount_link[static_cast<std::size_t>(sphere.link)] * sphere.center).cast<float>(),
       static_cast<float>(sphere.radius);
   return result;
 }
@@ -93,12 +93,12 @@ ClosingTrajectory closing_trajectory(const hand::Description& hand,
           {placed(tips[finger], T[static_cast<std::size_t>(hand.fingers[finger].link)]), {}});
     }
     for (const auto& sphere : hand.spheres) {
-      if (step == 0) path.open_spheres.push_back(in_base(sphere, T));
+      if (step == 0) path.open_spheres.push_back(in_mount(sphere, T));
       const int finger = owner[static_cast<std::size_t>(sphere.link)];
       if (finger < 0 || !closing[static_cast<std::size_t>(finger)]) continue;
       if (sphere.link == hand.fingers[static_cast<std::size_t>(finger)].link) continue;
       path.fingers[static_cast<std::size_t>(finger)].back().other_spheres.push_back(
-          in_base(sphere, T));
+          in_mount(sphere, T));
     }
     const hand::ActuatorVector before = command.positions;
     for (int tick = 0; tick < kStepTicks; ++tick) law.advance(command, empty, unlimited, closing);
@@ -114,7 +114,7 @@ void end_at_other_fingers(const hand::Description& hand, const hand::JointVector
   std::vector<Eigen::Vector4f> others;
   for (const auto& sphere : hand.spheres) {
     const int other = owner[static_cast<std::size_t>(sphere.link)];
-    if (other >= 0 && other != static_cast<int>(finger)) others.push_back(in_base(sphere, T));
+    if (other >= 0 && other != static_cast<int>(finger)) others.push_back(in_mount(sphere, T));
   }
   const auto meets_other = [&](const Eigen::Vector3f& p, float radius) {
     return std::any_of(others.begin(), others.end(), [&](const Eigen::Vector4f& other) {
@@ -133,24 +133,24 @@ void end_at_other_fingers(const hand::Description& hand, const hand::JointVector
 
 PlacedObject::PlacedObject(const geometry::ObjectModel& object,
                            const Eigen::Isometry3d& T_world_object,
-                           const Eigen::Isometry3d& T_world_base)
+                           const Eigen::Isometry3d& T_world_mount)
     : field_(object.field()),
-      T_object_base_((T_world_object.inverse() * T_world_base).cast<float>()),
-      T_world_base_(T_world_base.cast<float>()) {}
+      T_object_mount_((T_world_object.inverse() * T_world_mount).cast<float>()),
+      T_world_mount_(T_world_mount.cast<float>()) {}
 
 float PlacedObject::distance(const Eigen::Vector3f& p) const {
-  const float distance = field_.distance(T_object_base_ * p);
+  const float distance = field_.distance(T_object_mount_ * p);
   return distance < field_.beyond() ? distance : std::numeric_limits<float>::infinity();
 }
 
 float PlacedObject::height(const Eigen::Vector3f& p) const {
-  return T_world_base_.linear().row(2).dot(p) + T_world_base_.translation().z();
+  return T_world_mount_.linear().row(2).dot(p) + T_world_mount_.translation().z();
 }
 
 Eigen::Vector3d PlacedObject::normal(const Eigen::Vector3f& p) const {
-  const auto sample = field_.at(T_object_base_ * p);
+  const auto sample = field_.at(T_object_mount_ * p);
   if (!sample) return Eigen::Vector3d::UnitZ();
-  return (T_object_base_.linear().transpose() * sample->gradient).cast<double>().normalized();
+  return (T_object_mount_.linear().transpose() * sample->gradient).cast<double>().normalized();
 }
 
 FingerMeeting meet(const PlacedObject& object, const ClosingTrajectory& path, std::size_t finger,

@@ -70,7 +70,7 @@ hand::ActuatorVector folded(const hand::Description& hand) {
 }
 
 Eigen::Matrix3d rotation(const hand::Attitude& attitude) {
-  return hand::BasePosition{Eigen::Vector3d::Zero(), {0, attitude.pitch, attitude.roll}}
+  return hand::MountPosition{Eigen::Vector3d::Zero(), {0, attitude.pitch, attitude.roll}}
       .pose()
       .linear();
 }

@@ -12,7 +12,7 @@ constexpr double kNearlyDrawn = 0.05;  // rad before J2 draws J1 along
 
 using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, hand::kMaxJoints>;
 
-/// How a point of a finger's distal link moves with its actuators, base's axes, m/rad.
+/// How a point of a finger's distal link moves with its actuators, mount's axes, m/rad.
 Columns point_jacobian(const hand::Description& hand, const hand::JointVector& joints, int finger,
                        const Eigen::Vector3d& p_link) {
   const auto J =
@@ -59,7 +59,7 @@ std::optional<tactile::Contact> contact_of(std::span<const tactile::Contact> con
 hand::ActuatorVector finger_motion(const hand::Description& hand, const hand::JointVector& joints,
                                    std::span<const tactile::Contact> contacts,
                                    const Eigen::Vector3d& center, const GraspMotion& motion) {
-  const auto T_base_link = hand::forward_kinematics(hand, joints);
+  const auto T_mount_link = hand::forward_kinematics(hand, joints);
   hand::ActuatorVector result = hand::ActuatorVector::Zero(hand.actuator_count());
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
     const auto contact = contact_of(contacts, finger);
@@ -70,7 +70,7 @@ hand::ActuatorVector finger_motion(const hand::Description& hand, const hand::Jo
                                 motion.press[k] * contact->n;
     const auto link = static_cast<std::size_t>(hand.fingers[k].link);
     const Columns J =
-        point_jacobian(hand, joints, finger, T_base_link[link].inverse() * contact->p);
+        point_jacobian(hand, joints, finger, T_mount_link[link].inverse() * contact->p);
     const Eigen::Matrix3d JJ =
         J.lazyProduct(J.transpose()) + kDamping * kDamping * Eigen::Matrix3d::Identity();
     result += J.transpose() * JJ.llt().solve(way);

@@ -20,7 +20,7 @@ constexpr double kNoSolution = 1e-8;  // residual, relative, of equations withou
 
 Eigen::Vector3d center(const GraspContacts& contacts) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const GraspContact& contact : contacts) sum += contact.T_base_contact.translation();
+  for (const GraspContact& contact : contacts) sum += contact.T_mount_contact.translation();
   return sum / static_cast<double>(contacts.size());
 }
 
@@ -112,7 +112,7 @@ ForceClosure force_closure(const GraspContacts& contacts) {
   return result;
 }
 
-Balance balance_wrench(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object,
+Balance balance_wrench(const GraspContacts& contacts, const Eigen::Vector3d& p_mount_object,
                        const Vector6d& wrench, const BalanceOptions& options) {
   if (!(std::isfinite(options.max_normal_force) && options.max_normal_force > 0)) {
     throw BadInput(
@@ -125,7 +125,7 @@ Balance balance_wrench(const GraspContacts& contacts, const Eigen::Vector3d& p_b
   Balance result;
   result.slack = -wrench.norm();
   if (contacts.empty()) return result;
-  const WrenchSpace space = wrench_space(contacts, p_base_object, kLength);
+  const WrenchSpace space = wrench_space(contacts, p_mount_object, kLength);
   Vector6d scaled = wrench;
   scaled.head<3>() /= kLength;
   const AffineSpace affine = solve_affine(space.wrenches, scaled);

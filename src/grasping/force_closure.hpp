@@ -36,9 +36,9 @@ struct QualityOptions {
 /// Grasp quality: radius (N) of the largest ball about 0 in the convex hull of the wrenches that
 /// contacts make whose normal forces sum to 1 N (Ferrari & Canny, ICRA 1992). 0 without force
 /// closure. A pyramid lies within its cone, so this is never more than the exact value.
-/// @param p_base_object  where moments are taken, m
+/// @param p_mount_object  where moments are taken, m
 /// @throws BadInput for options out of range or a point that is not finite
-double grasp_quality(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object,
+double grasp_quality(const GraspContacts& contacts, const Eigen::Vector3d& p_mount_object,
                      const QualityOptions& options = {});
 
 struct BalanceOptions {
@@ -65,9 +65,9 @@ struct Balance {
 
 /// The smallest contact forces, within their friction cones, that make a wrench on the object:
 /// minimises the sum of f_n^2 + f_t^2 + f_o^2 + (m_n / e_n)^2 such that G w_c = wrench.
-/// @param wrench  [m; f] that the hand is to exert at p_base_object, N m and N, base axes
+/// @param wrench  [m; f] that the hand is to exert at p_mount_object, N m and N, mount axes
 /// @throws BadInput for a wrench or point that is not finite, or options out of range
-Balance balance_wrench(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object,
+Balance balance_wrench(const GraspContacts& contacts, const Eigen::Vector3d& p_mount_object,
                        const Vector6d& wrench, const BalanceOptions& options = {});
 
 }  // namespace palpate::grasping

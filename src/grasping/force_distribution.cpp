@@ -116,12 +116,12 @@ hand::ActuatorVector pressing_torques(const hand::Description& hand,
                                       std::span<const tactile::Contact> contacts,
                                       std::span<const Eigen::Vector3d> forces) {
   if (contacts.size() != forces.size()) throw BadInput("as many forces as contacts are needed");
-  const auto T_base_link = hand::forward_kinematics(hand, joints);
+  const auto T_mount_link = hand::forward_kinematics(hand, joints);
   hand::JointVector torques = hand::JointVector::Zero(hand.joint_count());
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const int link = hand.fingers[static_cast<std::size_t>(contacts[k].finger)].link;
     const Eigen::Vector3d p_link =
-        T_base_link[static_cast<std::size_t>(link)].inverse() * contacts[k].p;
+        T_mount_link[static_cast<std::size_t>(link)].inverse() * contacts[k].p;
     const hand::Jacobian J = hand::jacobian(hand, joints, link, p_link);
     torques += J.bottomRows<3>().transpose().lazyProduct(forces[k]);
   }

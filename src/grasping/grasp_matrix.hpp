@@ -15,7 +15,7 @@ namespace palpate::grasping {
 /// Twists are [w; v] and wrenches [m; f], as everywhere here; the thesis stacks them the other way
 /// round. Wrenches are those of the hand ON the object.
 struct GraspContact {
-  Eigen::Isometry3d T_base_contact = Eigen::Isometry3d::Identity();  ///< axes n, t, o
+  Eigen::Isometry3d T_mount_contact = Eigen::Isometry3d::Identity();  ///< axes n, t, o
   int link = -1;  ///< of the hand that touches; only the hand Jacobian needs it
   ContactModel model = ContactModel::soft_finger;
   Friction friction;
@@ -23,9 +23,9 @@ struct GraspContact {
 using GraspContacts = std::vector<GraspContact>;
 
 /// Contact frame {n, t, o} at a point of the object's surface; n is the inward normal.
-/// @param p_base, n_base  the point (m) and the OUTWARD unit normal of the object there
+/// @param p_mount, n_mount  the point (m) and the OUTWARD unit normal of the object there
 /// @throws BadInput for values that are not finite, or a normal that is not of unit length to 1e-3
-Eigen::Isometry3d contact_frame(const Eigen::Vector3d& p_base, const Eigen::Vector3d& n_base);
+Eigen::Isometry3d contact_frame(const Eigen::Vector3d& p_mount, const Eigen::Vector3d& n_mount);
 
 /// The fingertip contacts of a reading.
 GraspContacts grasp_contacts(const hand::Description& hand, const hand::HandReading& reading,
@@ -33,9 +33,9 @@ GraspContacts grasp_contacts(const hand::Description& hand, const hand::HandRead
 
 /// Grasp matrix G (6 x 6 n; thesis eq 4.6): object wrench = G w_c, contact twists of the object
 /// nu_c = G' nu (eq 4.7, where the thesis has G' in both).
-/// @param p_base_object  where the object's wrench and twist are taken, m, in the base's axes
+/// @param p_mount_object  where the object's wrench and twist are taken, m, in the mount's axes
 /// @throws BadInput for a point or contact frame that is not finite
-Eigen::MatrixXd grasp_matrix(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object);
+Eigen::MatrixXd grasp_matrix(const GraspContacts& contacts, const Eigen::Vector3d& p_mount_object);
 
 /// Hand Jacobian J (6 n x joints; thesis eq 4.8), in the contact frames: contact twists of the
 /// hand nu_c = J q_dot, joint torques tau = J' w_c (eq 4.9).

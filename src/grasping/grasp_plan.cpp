@@ -37,21 +37,21 @@ bool comes_down_freely(const PlacedObject& target, const ClosingTrajectory& path
 class Candidate {
  public:
   Candidate(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
-            const hand::BasePosition& base)
+            const hand::MountPosition& mount)
       : object_(object),
         T_world_object_(T_world_object),
-        base_(base),
-        T_world_base_(base.pose()),
-        target_(object, T_world_object, T_world_base_) {}
+        mount_(mount),
+        T_world_mount_(mount.pose()),
+        target_(object, T_world_object, T_world_mount_) {}
 
   bool free(const ClosingTrajectory& path, const GraspPlanOptions& options) const {
-    const Eigen::Vector3d up = T_world_base_.linear().row(2).transpose();
+    const Eigen::Vector3d up = T_world_mount_.linear().row(2).transpose();
     return comes_down_freely(target_, path, options, up.cast<float>());
   }
 
   GraspPlan evaluate(const ClosingTrajectory& path, const GraspPlanOptions& options) const {
     GraspPlan plan;
-    plan.base = base_;
+    plan.mount = mount_;
     plan.cost = std::numeric_limits<double>::infinity();
     for (std::size_t finger = 0; finger < path.fingers.size(); ++finger) {
       auto [stop, contact] = meet(target_, path, finger, options.table_clearance / 2);
@@ -66,20 +66,20 @@ class Candidate {
                                    });
     plan.missing = static_cast<int>(path.fingers.size()) - plan.fingers;
     if (!thumb || plan.fingers < 2) return plan;
-    plan.cost = grasp_cost(object_, plan, options, -T_world_base_.linear().row(2).transpose(),
-                           T_world_base_.inverse() * T_world_object_.translation());
+    plan.cost = grasp_cost(object_, plan, options, -T_world_mount_.linear().row(2).transpose(),
+                           T_world_mount_.inverse() * T_world_object_.translation());
     return plan;
   }
 
  private:
   const geometry::ObjectModel& object_;
   Eigen::Isometry3d T_world_object_;
-  hand::BasePosition base_;
-  Eigen::Isometry3d T_world_base_;
+  hand::MountPosition mount_;
+  Eigen::Isometry3d T_world_mount_;
   PlacedObject target_;
 };
 
-/// Where thumb and fingers meet, in the base's frame: between the tips when they have closed to
+/// Where thumb and fingers meet, in the mount's frame: between the tips when they have closed to
 /// the width of a common object.
 Eigen::Vector3d closing_center(const ClosingTrajectory& path) {
   const auto& thumb = path.fingers[path.thumb];
@@ -92,10 +92,10 @@ Eigen::Vector3d closing_center(const ClosingTrajectory& path) {
   return (0.5f * (thumb[step].tip.back() + middle[step].tip.back())).cast<double>();
 }
 
-double lowest_below_base(const ClosingTrajectory& path, const Eigen::Matrix3d& R_world_base) {
+double lowest_below_mount(const ClosingTrajectory& path, const Eigen::Matrix3d& R_world_mount) {
   double lowest = 0;
   for (const auto& sphere : path.open_spheres) {
-    lowest = std::min(lowest, R_world_base.row(2).dot(sphere.head<3>().cast<double>()) -
+    lowest = std::min(lowest, R_world_mount.row(2).dot(sphere.head<3>().cast<double>()) -
                                   static_cast<double>(sphere.w()));
   }
   return lowest;
@@ -107,26 +107,26 @@ bool was_tried(double yaw, const std::vector<double>& avoid) {
   });
 }
 
-std::vector<hand::BasePosition> places(const ClosingTrajectory& path,
-                                       const Eigen::Vector3d& centroid,
-                                       const hand::Attitude& attitude,
-                                       const GraspPlanOptions& options,
-                                       const std::vector<double>& avoid) {
-  std::vector<hand::BasePosition> result;
+std::vector<hand::MountPosition> places(const ClosingTrajectory& path,
+                                        const Eigen::Vector3d& centroid,
+                                        const hand::Attitude& attitude,
+                                        const GraspPlanOptions& options,
+                                        const std::vector<double>& avoid) {
+  std::vector<hand::MountPosition> result;
   const Eigen::Vector3d center = closing_center(path);
   for (int i = 0; i < options.yaws; ++i) {
-    hand::BasePosition base;
-    base.ypr = {2 * pi * i / options.yaws, attitude.pitch, attitude.roll};
-    if (was_tried(base.ypr.x(), avoid)) continue;
-    const Eigen::Matrix3d R = base.pose().linear();
-    const double low = options.table_clearance + 0.001 - lowest_below_base(path, R);
+    hand::MountPosition mount;
+    mount.ypr = {2 * pi * i / options.yaws, attitude.pitch, attitude.roll};
+    if (was_tried(mount.ypr.x(), avoid)) continue;
+    const Eigen::Matrix3d R = mount.pose().linear();
+    const double low = options.table_clearance + 0.001 - lowest_below_mount(path, R);
     const Eigen::Vector2d middle = (centroid - R * center).head<2>();
-    const Eigen::Rotation2Dd turn(base.ypr.x());
+    const Eigen::Rotation2Dd turn(mount.ypr.x());
     for (const double raised : kHeights) {
       for (int x = -options.places; x <= options.places; ++x) {
         for (int y = -options.places; y <= options.places; ++y) {
-          base.xyz << middle + turn * (options.spacing * Eigen::Vector2d(x, y)), low + raised;
-          result.push_back(base);
+          mount.xyz << middle + turn * (options.spacing * Eigen::Vector2d(x, y)), low + raised;
+          result.push_back(mount);
         }
       }
     }
@@ -138,10 +138,10 @@ std::vector<hand::BasePosition> places(const ClosingTrajectory& path,
 
 double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
                   const GraspPlanOptions& options, const Eigen::Vector3d& gravity,
-                  const Eigen::Vector3d& p_base_object) {
+                  const Eigen::Vector3d& p_mount_object) {
   const double weight = object.object().mass * kGravity;
   const auto balance = distribute_forces(plan.contacts, options.friction, options.press,
-                                         Load{p_base_object, weight * gravity});
+                                         Load{p_mount_object, weight * gravity});
   return balance.wrench_residual + options.missing_finger * plan.missing;
 }
 
@@ -153,7 +153,7 @@ double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T
     Eigen::Isometry3d moved = T_world_object;
     moved.pretranslate(options.pose_error *
                        Eigen::Vector3d(std::cos(side * pi / 2), std::sin(side * pi / 2), 0));
-    sum += std::min(1.5, Candidate(object, moved, plan.base).evaluate(path, options).cost);
+    sum += std::min(1.5, Candidate(object, moved, plan.mount).evaluate(path, options).cost);
   }
   return sum / 5;
 }
@@ -161,9 +161,9 @@ double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T
 std::optional<GraspPlan> close_virtually(const geometry::ObjectModel& object,
                                          const Eigen::Isometry3d& T_world_object,
                                          const ClosingTrajectory& path,
-                                         const hand::BasePosition& base,
+                                         const hand::MountPosition& mount,
                                          const GraspPlanOptions& options) {
-  const Candidate candidate(object, T_world_object, base);
+  const Candidate candidate(object, T_world_object, mount);
   if (!candidate.free(path, options)) return std::nullopt;
   return candidate.evaluate(path, options);
 }
@@ -174,8 +174,8 @@ std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
                                    const GraspPlanOptions& options,
                                    const std::vector<double>& avoid) {
   std::vector<GraspPlan> plans;
-  for (const auto& base : places(path, T_world_object.translation(), attitude, options, avoid)) {
-    auto plan = close_virtually(object, T_world_object, path, base, options);
+  for (const auto& mount : places(path, T_world_object.translation(), attitude, options, avoid)) {
+    auto plan = close_virtually(object, T_world_object, path, mount, options);
     if (plan && std::isfinite(plan->cost)) plans.push_back(*std::move(plan));
   }
   return plans;

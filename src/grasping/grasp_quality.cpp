@@ -70,7 +70,7 @@ double depth_of_origin(const Eigen::MatrixXd& points) {
 
 }  // namespace
 
-double grasp_quality(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object,
+double grasp_quality(const GraspContacts& contacts, const Eigen::Vector3d& p_mount_object,
                      const QualityOptions& options) {
   if (options.edges < 3 || !(std::isfinite(options.length) && options.length > 0)) {
     throw BadInput(
@@ -79,7 +79,7 @@ double grasp_quality(const GraspContacts& contacts, const Eigen::Vector3d& p_bas
                     options.edges, options.length));
   }
   if (contacts.empty()) return 0;
-  const WrenchSpace space = wrench_space(contacts, p_base_object, options.length);
+  const WrenchSpace space = wrench_space(contacts, p_mount_object, options.length);
   const Eigen::MatrixXd points = edge_wrenches(space, options.edges);
   const bool is_flat = points.cols() < 7 || solve_affine(points, Vector6d::Zero()).rank < 6;
   return is_flat ? 0 : std::max(0.0, depth_of_origin(points));

@@ -30,9 +30,9 @@ constexpr double kClosingRate = 1;     // rad/s; any has its path
 
 Eigen::Vector3d tip_of(const hand::Description& hand, const hand::ActuatorVector& posture,
                        std::size_t finger) {
-  const auto T_base_link =
+  const auto T_mount_link =
       hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, posture));
-  return T_base_link[static_cast<std::size_t>(hand.fingers[finger].link)] *
+  return T_mount_link[static_cast<std::size_t>(hand.fingers[finger].link)] *
          hand.fingers[finger].tip.b;
 }
 

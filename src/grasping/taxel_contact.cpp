@@ -40,9 +40,9 @@ TaxelGrasp taxel_grasp(const tactile::BiotacSkin& skin, const tactile::SkinState
     const Eigen::Vector3d force =
         skin.areas()[i] * (state.pressure[i] * outward + state.shear.col(i));
     grasping::GraspContact contact;
-    contact.T_base_contact = grasping::contact_frame(skin.points().col(i), -outward);
+    contact.T_mount_contact = grasping::contact_frame(skin.points().col(i), -outward);
     contact.model = grasping::ContactModel::hard_finger;
-    const Eigen::Vector3d f = contact.T_base_contact.linear().transpose() * force;
+    const Eigen::Vector3d f = contact.T_mount_contact.linear().transpose() * force;
     wrenches.insert(wrenches.end(), {0, 0, 0, f.x(), f.y(), f.z()});
     grasp.contacts.push_back(contact);
   }

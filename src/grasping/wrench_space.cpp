@@ -10,11 +10,11 @@ constexpr double kRankTolerance = 1e-9;  // of the largest singular value
 
 }  // namespace
 
-WrenchSpace wrench_space(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object,
+WrenchSpace wrench_space(const GraspContacts& contacts, const Eigen::Vector3d& p_mount_object,
                          double length) {
   const Eigen::MatrixXd H = transmission(contacts);
   WrenchSpace space;
-  space.wrenches = grasp_matrix(contacts, p_base_object) * H.transpose();
+  space.wrenches = grasp_matrix(contacts, p_mount_object) * H.transpose();
   space.wrenches.topRows<3>() /= length;
   space.axis = Eigen::VectorXd::Zero(H.rows());
   space.normal_per_axis = Eigen::VectorXd::Zero(H.rows());

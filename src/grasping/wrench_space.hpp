@@ -16,7 +16,7 @@ struct WrenchSpace {
   Eigen::VectorXd scale;            ///< u = scale * lambda
 };
 
-WrenchSpace wrench_space(const GraspContacts& contacts, const Eigen::Vector3d& p_base_object,
+WrenchSpace wrench_space(const GraspContacts& contacts, const Eigen::Vector3d& p_mount_object,
                          double length);
 
 /// The solutions of A u = b: particular + directions z.

@@ -22,12 +22,12 @@ constexpr int kFreedoms = 6;  // of the mount
 constexpr double kHigh = 0.3, kLow = 0.12, kAside = 0.1;
 constexpr double kTourStep = 0.05;  // rad
 
-std::string place_text(const BasePosition& base) {
+std::string place_text(const MountPosition& mount) {
   return fmt::format(
       "with the mount at ({:.3f}, {:.3f}, {:.3f}) m, yaw {:.0f} deg, pitch {:.0f}, "
       "roll {:.0f}",
-      base.xyz.x(), base.xyz.y(), base.xyz.z(), base.ypr[0] * 360 / kTurn,
-      base.ypr[1] * 360 / kTurn, base.ypr[2] * 360 / kTurn);
+      mount.xyz.x(), mount.xyz.y(), mount.xyz.z(), mount.ypr[0] * 360 / kTurn,
+      mount.ypr[1] * 360 / kTurn, mount.ypr[2] * 360 / kTurn);
 }
 
 /// Times as long as a tick that a step of the joints takes at full speed.
@@ -85,8 +85,8 @@ std::string why_not(const ArmDescription& arm, std::size_t branches, const std::
                      arm.joint_count(), kFreedoms);
 }
 
-void append_line(std::vector<BasePosition>& way, const BasePosition& to) {
-  const BasePosition from = way.back();
+void append_line(std::vector<MountPosition>& way, const MountPosition& to) {
+  const MountPosition from = way.back();
   const double turn = (to.ypr - from.ypr).cwiseAbs().maxCoeff();
   const double slide = (to.xyz - from.xyz).norm() / 0.2;
   const int steps = 1 + static_cast<int>(std::max(turn, slide) / kTourStep);
@@ -98,7 +98,7 @@ void append_line(std::vector<BasePosition>& way, const BasePosition& to) {
 }  // namespace
 
 const ArmVector& ArmFollower::reset(const Eigen::Isometry3d& T_world_mount,
-                                    std::span<const BasePosition> tour) {
+                                    std::span<const MountPosition> tour) {
   std::size_t most = 0;
   bool any = false;
   std::string collides;  // in the first branch that does
@@ -113,7 +113,7 @@ const ArmVector& ArmFollower::reset(const Eigen::Isometry3d& T_world_mount,
   }
   if (!any) {
     throw BadInput(fmt::format("the arm {} cannot hold the hand {}: {}", arm_.name,
-                               place_text(BasePosition::at(T_world_mount)),
+                               place_text(MountPosition::at(T_world_mount)),
                                why_not(arm_, branches.size(), collides)));
   }
   wanted_ = joints_;
@@ -122,10 +122,10 @@ const ArmVector& ArmFollower::reset(const Eigen::Isometry3d& T_world_mount,
 }
 
 /// How many positions of a tour can be taken, one after the other; those that cannot are left out.
-std::size_t ArmFollower::followed(ArmVector joints, std::span<const BasePosition> tour) const {
+std::size_t ArmFollower::followed(ArmVector joints, std::span<const MountPosition> tour) const {
   std::size_t count = 0;
-  for (const BasePosition& base : tour) {
-    const auto next = inverse_kinematics(arm_, base.pose(), joints);
+  for (const MountPosition& mount : tour) {
+    const auto next = inverse_kinematics(arm_, mount.pose(), joints);
     if (!next || ticks_of(arm_, *next - joints) > kLargestStretch) continue;
     joints = *next;
     if (arm_collision(arm_, joints).empty()) ++count;
@@ -152,28 +152,28 @@ const ArmVector& ArmFollower::follow(const Eigen::Isometry3d& T_world_mount) {
   return joints_;
 }
 
-PathFeasibility ArmFollower::check_path(std::span<const BasePosition> way) const {
+PathFeasibility ArmFollower::check_path(std::span<const MountPosition> way) const {
   require_reset();
   PathFeasibility result;
   ArmVector joints = wanted_;
   Stretch stretch(arm_);
   std::string collides = arm_collision(arm_, joints);  // before it moves: may be left
-  for (const BasePosition& base : way) {
-    const auto next = inverse_kinematics(arm_, base.pose(), joints);
+  for (const MountPosition& mount : way) {
+    const auto next = inverse_kinematics(arm_, mount.pose(), joints);
     if (!next) {
-      result.obstacle = fmt::format("out of reach of the arm {}", place_text(base));
+      result.obstacle = fmt::format("out of reach of the arm {}", place_text(mount));
       return result;
     }
     const ArmVector step = *next - joints;
     if (ticks_of(arm_, step) > kLargestStretch) {
-      result.obstacle = fmt::format("the arm is singular {}", place_text(base));
+      result.obstacle = fmt::format("the arm is singular {}", place_text(mount));
       return result;
     }
     joints = *next;
     const std::string meets = arm_collision(arm_, joints);
     if (meets.empty()) collides.clear();
     if (meets != collides) {
-      result.obstacle = fmt::format("{} {}", meets, place_text(base));
+      result.obstacle = fmt::format("{} {}", meets, place_text(mount));
       return result;
     }
     result.stretch = std::max(result.stretch, stretch.of(step));
@@ -182,14 +182,14 @@ PathFeasibility ArmFollower::check_path(std::span<const BasePosition> way) const
   return result;
 }
 
-std::vector<BasePosition> working_tour(const Description& hand) {
+std::vector<MountPosition> working_tour(const Description& hand) {
   const Postures& postures = hand.postures;
   std::vector<Attitude> attitudes = {postures.flat.attitude};
   for (const Preshape* preshape : {&postures.top, &postures.side}) {
     attitudes.insert(attitudes.end(), preshape->attitudes.begin(), preshape->attitudes.end());
   }
   for (const PointingHand& pointing : postures.pointing) attitudes.push_back(pointing.attitude);
-  std::vector<BasePosition> way = {{{0, 0, kHigh}, {0, 0, 0}}};
+  std::vector<MountPosition> way = {{{0, 0, kHigh}, {0, 0, 0}}};
   for (const Attitude& attitude : attitudes) {
     for (const double third : {0.0, 1.0, 2.0, 3.0}) {
       const Eigen::Vector3d ypr(third * kTurn / 4, attitude.pitch, attitude.roll);

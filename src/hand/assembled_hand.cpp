@@ -46,7 +46,7 @@ HandReading AssembledHand::step(const HandCommand& command) {
 }
 
 void AssembledHand::step_parts(const HandCommand& command) {
-  if (arm_) ask(arm_part_, [&] { arm_->move(command.base); });
+  if (arm_) ask(arm_part_, [&] { arm_->move(command.mount); });
   HandReading reading = reading_;
   ask(fingers_part_, [&] { reading = fingers_.step(command); });
   if (arm_) ask(arm_part_, [&] { read_arm(); });
@@ -115,8 +115,8 @@ bool AssembledHand::take_newer() {
 void AssembledHand::assemble(HandReading&& reading) {
   if (!take_newer()) reading.time = reading_.time;
   if (arm_) {
-    reading.base = mount_.base;
-    reading.base_force = mount_.force;
+    reading.mount = mount_.mount;
+    reading.mount_force = mount_.force;
   }
   std::vector<bool> begun(reading.contacts.size());
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
@@ -139,7 +139,7 @@ bool AssembledHand::complete() const {
          std::ranges::all_of(sensor_parts_, [](const Part& part) { return part.known; });
 }
 
-PathFeasibility AssembledHand::check_path(std::span<const BasePosition> way) const {
+PathFeasibility AssembledHand::check_path(std::span<const MountPosition> way) const {
   if (!arm_) return fingers_.check_path(way);
   try {
     return arm_->check_path(way);

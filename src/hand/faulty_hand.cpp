@@ -97,7 +97,7 @@ void FaultyHand::set_in(const HandReading& reading) {
 }
 
 void FaultyHand::measure(const HandReading& reading) {
-  peak_load_ = std::max(peak_load_, reading.base_force.norm());
+  peak_load_ = std::max(peak_load_, reading.mount_force.norm());
   for (int finger = 0; finger < static_cast<int>(reading.contacts.size()); ++finger) {
     peak_tip_force_ = std::max(peak_tip_force_, tip_force(reading, finger));
   }
@@ -109,7 +109,7 @@ HandCommand FaultyHand::obeyed(const HandCommand& command) {
   if (schedule_.fault == InjectedFault::joint_stuck) {
     result.positions[schedule_.actuator] = stuck_at_->positions[schedule_.actuator];
   }
-  if (schedule_.fault == InjectedFault::mount_stuck) result.base = stuck_at_->base;
+  if (schedule_.fault == InjectedFault::mount_stuck) result.mount = stuck_at_->mount;
   return result;
 }
 
@@ -132,9 +132,9 @@ HandReading FaultyHand::falsified(const HandReading& reading) {
 }
 
 void FaultyHand::spoil_load(HandReading& reading) const {
-  if (schedule_.fault == InjectedFault::load_nan) reading.base_force.setConstant(kNan);
-  if (schedule_.fault == InjectedFault::load_zero) reading.base_force.setZero();
-  if (schedule_.fault == InjectedFault::load_frozen) reading.base_force = before_.base_force;
+  if (schedule_.fault == InjectedFault::load_nan) reading.mount_force.setConstant(kNan);
+  if (schedule_.fault == InjectedFault::load_zero) reading.mount_force.setZero();
+  if (schedule_.fault == InjectedFault::load_frozen) reading.mount_force = before_.mount_force;
 }
 
 void FaultyHand::spoil_contacts(HandReading& reading) {

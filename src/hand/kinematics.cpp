@@ -15,49 +15,49 @@ int whole_ticks(double seconds) {
   return ticks >= 1 ? static_cast<int>(std::min(ticks, kMost)) : 1;
 }
 
-Eigen::Isometry3d BasePosition::pose() const {
-  Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();
-  T_world_base.translation() = xyz;
-  T_world_base.linear() = (Eigen::AngleAxisd(ypr[0], Eigen::Vector3d::UnitZ()) *
-                           Eigen::AngleAxisd(ypr[1], Eigen::Vector3d::UnitY()) *
-                           Eigen::AngleAxisd(ypr[2], Eigen::Vector3d::UnitX()))
-                              .toRotationMatrix();
-  return T_world_base;
+Eigen::Isometry3d MountPosition::pose() const {
+  Eigen::Isometry3d T_world_mount = Eigen::Isometry3d::Identity();
+  T_world_mount.translation() = xyz;
+  T_world_mount.linear() = (Eigen::AngleAxisd(ypr[0], Eigen::Vector3d::UnitZ()) *
+                            Eigen::AngleAxisd(ypr[1], Eigen::Vector3d::UnitY()) *
+                            Eigen::AngleAxisd(ypr[2], Eigen::Vector3d::UnitX()))
+                               .toRotationMatrix();
+  return T_world_mount;
 }
 
-BasePosition BasePosition::at(const Eigen::Isometry3d& T_world_base) {
-  const Eigen::Matrix3d& R = T_world_base.linear();
-  return {T_world_base.translation(),
+MountPosition MountPosition::at(const Eigen::Isometry3d& T_world_mount) {
+  const Eigen::Matrix3d& R = T_world_mount.linear();
+  return {T_world_mount.translation(),
           {std::atan2(R(1, 0), R(0, 0)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
            std::atan2(R(2, 1), R(2, 2))}};
 }
 
-BasePosition between(const BasePosition& a, const BasePosition& b, double share) {
+MountPosition between(const MountPosition& a, const MountPosition& b, double share) {
   return {a.xyz + share * (b.xyz - a.xyz), a.ypr + share * (b.ypr - a.ypr)};
 }
 
 std::vector<Eigen::Isometry3d> forward_kinematics(const Description& hand,
                                                   const JointVector& joints) {
-  std::vector<Eigen::Isometry3d> T_base_link;
-  T_base_link.reserve(hand.links.size());
+  std::vector<Eigen::Isometry3d> T_mount_link;
+  T_mount_link.reserve(hand.links.size());
   for (const Link& link : hand.links) {
     Eigen::Isometry3d T = link.T_parent_link;
     if (link.joint >= 0) T.rotate(Eigen::AngleAxisd(joints[link.joint], link.axis));
-    T_base_link.push_back(link.parent < 0 ? T
-                                          : T_base_link[static_cast<std::size_t>(link.parent)] * T);
+    T_mount_link.push_back(
+        link.parent < 0 ? T : T_mount_link[static_cast<std::size_t>(link.parent)] * T);
   }
-  return T_base_link;
+  return T_mount_link;
 }
 
 Jacobian jacobian(const Description& hand, const JointVector& joints, int link,
                   const Eigen::Vector3d& p_link) {
-  const auto T_base_link = forward_kinematics(hand, joints);
-  const Eigen::Vector3d p = T_base_link.at(static_cast<std::size_t>(link)) * p_link;
+  const auto T_mount_link = forward_kinematics(hand, joints);
+  const Eigen::Vector3d p = T_mount_link.at(static_cast<std::size_t>(link)) * p_link;
   Jacobian J = Jacobian::Zero(6, hand.joint_count());
   for (int i = link; i >= 0; i = hand.links[static_cast<std::size_t>(i)].parent) {
     const Link& moved = hand.links[static_cast<std::size_t>(i)];
     if (moved.joint < 0) continue;
-    const auto& T = T_base_link[static_cast<std::size_t>(i)];
+    const auto& T = T_mount_link[static_cast<std::size_t>(i)];
     const Eigen::Vector3d axis = T.linear() * moved.axis;
     J.col(moved.joint).head<3>() = axis;
     J.col(moved.joint).tail<3>() = axis.cross(p - T.translation());

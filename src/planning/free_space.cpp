@@ -11,7 +11,7 @@ bool FreeSpace::holds(const Coordinates& configuration) {
   ++checks_;
   const hand::HandCommand command = command_of(configuration);
   const auto joints = hand::joints_in_free_flexion(scene_->hand(), command.positions);
-  return !scene_->deepest_collision(command.base, joints);
+  return !scene_->deepest_collision(command.mount, joints);
 }
 
 bool FreeSpace::holds_piece(const PathPiece& piece) {

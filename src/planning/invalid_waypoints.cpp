@@ -24,13 +24,13 @@ void add(std::vector<std::string>& reasons, std::string reason) {
   if (!reason.empty()) reasons.push_back(std::move(reason));
 }
 
-void check_base(const hand::BasePosition& base, const BaseRange& range,
-                std::vector<std::string>& reasons) {
+void check_mount(const hand::MountPosition& mount, const MountRange& range,
+                 std::vector<std::string>& reasons) {
   for (int i = 0; i < 3; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    add(reasons, range_fault(kBaseNames[k], base.xyz[i], i == 2 ? range.low : -range.side,
+    add(reasons, range_fault(kMountNames[k], mount.xyz[i], i == 2 ? range.low : -range.side,
                              i == 2 ? range.high : range.side, "m"));
-    add(reasons, range_fault(kBaseNames[k + 3], base.ypr[i], -range.turn, range.turn, "rad"));
+    add(reasons, range_fault(kMountNames[k + 3], mount.ypr[i], -range.turn, range.turn, "rad"));
   }
 }
 
@@ -56,7 +56,7 @@ void check_collision(const Waypoint& waypoint, CollisionChecker& scene,
                      std::vector<std::string>& reasons) {
   const hand::HandCommand command = command_of(waypoint, scene.hand());
   const auto pair = scene.deepest_collision(
-      command.base, hand::joints_in_free_flexion(scene.hand(), command.positions));
+      command.mount, hand::joints_in_free_flexion(scene.hand(), command.positions));
   if (!pair) return;
   reasons.push_back(
       fmt::format("{} and {} overlap by {:.1f} mm", pair->first, pair->second, 1e3 * pair->depth));
@@ -66,11 +66,11 @@ void check_collision(const Waypoint& waypoint, CollisionChecker& scene,
 
 std::vector<InvalidWaypoint> find_invalid_waypoints(const std::vector<Waypoint>& waypoints,
                                                     CollisionChecker& scene,
-                                                    const BaseRange& range) {
+                                                    const MountRange& range) {
   std::vector<InvalidWaypoint> invalid;
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     std::vector<std::string> reasons;
-    check_base(waypoints[i].base, range, reasons);
+    check_mount(waypoints[i].mount, range, reasons);
     check_joints(scene.hand(), waypoints[i].joints, reasons);
     if (reasons.empty()) check_collision(waypoints[i], scene, reasons);
     for (std::string& reason : reasons) invalid.push_back({i, std::move(reason)});

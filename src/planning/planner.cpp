@@ -27,12 +27,12 @@ constexpr int kRefinements = 3;      // of the step, where a sample between two 
 constexpr double kMinCut = 1e-3;     // m of path; a corner that cannot be cut by as much is kept
 constexpr double kSamePlace = 1e-9;  // m of path: no motion, but rounding
 
-/// Range of a coordinate by the hand's actuators and the base's options.
-hand::Range range_of(int coordinate, const BaseRange& base, const hand::Description& hand) {
-  if (coordinate < 2) return {-base.side, base.side};
-  if (coordinate == 2) return {base.low, base.high};
-  if (coordinate < kBaseCoordinates) return {-base.turn, base.turn};
-  return hand.actuators[static_cast<std::size_t>(coordinate - kBaseCoordinates)].command;
+/// Range of a coordinate by the hand's actuators and the mount's options.
+hand::Range range_of(int coordinate, const MountRange& mount, const hand::Description& hand) {
+  if (coordinate < 2) return {-mount.side, mount.side};
+  if (coordinate == 2) return {mount.low, mount.high};
+  if (coordinate < kMountCoordinates) return {-mount.turn, mount.turn};
+  return hand.actuators[static_cast<std::size_t>(coordinate - kMountCoordinates)].command;
 }
 
 /// Plans the ways from each waypoint to the next.
@@ -46,7 +46,7 @@ class LegPlanner {
         free_(scene, options.step),
         random_(seed, "plan") {
     for (const Coordinates& waypoint : waypoints) {
-      base_moves_ = base_moves_ || waypoint.head<6>() != waypoints.front().head<6>();
+      mount_moves_ = mount_moves_ || waypoint.head<6>() != waypoints.front().head<6>();
     }
   }
 
@@ -69,16 +69,16 @@ class LegPlanner {
   PlannerKind planner_;
   FreeSpace free_;
   RandomStream random_;
-  bool base_moves_ = false;
+  bool mount_moves_ = false;
 };
 
 std::vector<int> LegPlanner::movable() const {
-  std::vector<int> all(hand_.actuators.size() + (base_moves_ ? kBaseCoordinates : 0));
-  std::iota(all.begin(), all.end(), base_moves_ ? 0 : kBaseCoordinates);
+  std::vector<int> all(hand_.actuators.size() + (mount_moves_ ? kMountCoordinates : 0));
+  std::iota(all.begin(), all.end(), mount_moves_ ? 0 : kMountCoordinates);
   return all;
 }
 
-/// What differs, and the whole base if any of it does.
+/// What differs, and the whole mount if any of it does.
 std::vector<int> LegPlanner::differing(const Coordinates& start, const Coordinates& goal) const {
   std::vector<int> result;
   for (int k : movable()) {
@@ -91,7 +91,7 @@ SearchSpace LegPlanner::space(std::vector<int> moving, const Coordinates& start,
                               const Coordinates& goal) const {
   SearchSpace result{.moving = std::move(moving), .low = start, .high = start};
   for (int k : result.moving) {
-    const hand::Range range = range_of(k, options_.base, hand_);
+    const hand::Range range = range_of(k, options_.mount, hand_);
     const double beyond = k < 6 ? options_.detour : range.high - range.low;
     result.low[k] = std::max(range.low, std::min(start[k], goal[k]) - beyond);
     result.high[k] = std::min(range.high, std::max(start[k], goal[k]) + beyond);
@@ -207,7 +207,7 @@ Plan plan(const std::vector<Waypoint>& waypoints, CollisionChecker& scene,
   }
   const auto began = std::chrono::steady_clock::now();
   Plan result;
-  result.invalid = find_invalid_waypoints(waypoints, scene, options.base);
+  result.invalid = find_invalid_waypoints(waypoints, scene, options.mount);
   std::vector<Coordinates> coordinates;
   for (const Waypoint& waypoint : waypoints) {
     coordinates.push_back(coordinates_of(command_of(waypoint, scene.hand())));

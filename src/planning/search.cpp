@@ -25,7 +25,7 @@ constexpr double kExtension = 0.15;      // m of path, that a tree grows by at o
 constexpr int kImprovements = 500;       // iterations of RRT* after its first path
 constexpr unsigned int kSamples = 1000;  // of FMT
 // Of FMT: its number of neighbours grows with (2 radius)^dimensions; the default of 1.1 would make
-// all samples neighbours of each other in the 26 dimensions of base and Shadow hand, this makes it
+// all samples neighbours of each other in the 26 dimensions of mount and Shadow hand, this makes it
 // ten to forty.
 constexpr double kFmtRadius = 0.58;
 constexpr int kFmtTests = 10;  // of its end, an iteration: it also tests it while it samples

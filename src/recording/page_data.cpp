@@ -72,9 +72,9 @@ void append_frame(const Frame& frame, const hand::Description& hand, double orig
                   Series& series) {
   series.time.push_back(static_cast<float>(frame.reading.time - origin));
   auto T_world_links = hand::forward_kinematics(hand, frame.reading.joints);
-  const Eigen::Isometry3d T_world_base = frame.reading.base.pose();
+  const Eigen::Isometry3d T_world_mount = frame.reading.mount.pose();
   for (auto& T : T_world_links) {
-    T = T_world_base * T;
+    T = T_world_mount * T;
     append_pose(T, series.links);
   }
   append_pose(frame.truth ? frame.truth->T_world_object : Eigen::Isometry3d::Identity(),

@@ -23,14 +23,14 @@ void load(const double* values, Vector& vector) {
   vector = Eigen::Map<const Vector>(values, vector.size());
 }
 
-void store_base(const hand::BasePosition& base, double* values) {
-  store(base.xyz, values);
-  store(base.ypr, values + 3);
+void store_mount(const hand::MountPosition& mount, double* values) {
+  store(mount.xyz, values);
+  store(mount.ypr, values + 3);
 }
 
-void load_base(const double* values, hand::BasePosition& base) {
-  load(values, base.xyz);
-  load(values + 3, base.ypr);
+void load_mount(const double* values, hand::MountPosition& mount) {
+  load(values, mount.xyz);
+  load(values + 3, mount.ypr);
 }
 
 void store_object(const Frame& frame, double* values) {
@@ -77,17 +77,17 @@ const std::array<FrameField, 9>& fixed_fields() {
                  [](const F& f, D* v) { store(f.reading.torques, v); },
                  [](const D* v, F& f) { load(v, f.reading.torques); }},
       FrameField{"frames/base_xyz_ypr", 6, false, kMaxAngle,
-                 [](const F& f, D* v) { store_base(f.reading.base, v); },
-                 [](const D* v, F& f) { load_base(v, f.reading.base); }},
+                 [](const F& f, D* v) { store_mount(f.reading.mount, v); },
+                 [](const D* v, F& f) { load_mount(v, f.reading.mount); }},
       FrameField{"frames/base_force", 3, false, kMaxForce,
-                 [](const F& f, D* v) { store(f.reading.base_force, v); },
-                 [](const D* v, F& f) { load(v, f.reading.base_force); }},
+                 [](const F& f, D* v) { store(f.reading.mount_force, v); },
+                 [](const D* v, F& f) { load(v, f.reading.mount_force); }},
       FrameField{"frames/command_positions", kPerActuator, false, kMaxAngle,
                  [](const F& f, D* v) { store(f.command.positions, v); },
                  [](const D* v, F& f) { load(v, f.command.positions); }},
       FrameField{"frames/command_base_xyz_ypr", 6, false, kMaxAngle,
-                 [](const F& f, D* v) { store_base(f.command.base, v); },
-                 [](const D* v, F& f) { load_base(v, f.command.base); }},
+                 [](const F& f, D* v) { store_mount(f.command.mount, v); },
+                 [](const D* v, F& f) { load_mount(v, f.command.mount); }},
       FrameField{"frames/true_T_world_object", 16, true, kMaxLength, store_object, load_object},
       FrameField{"frames/true_joints", kPerJoint, true, kMaxAngle, store_true_joints,
                  load_true_joints},

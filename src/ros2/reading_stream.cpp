@@ -316,8 +316,8 @@ std::optional<hand::HandReading> ReadingStream::reading_at(std::uint64_t time) {
   next_ = next_ + kTickNs > time ? next_ + kTickNs : time + kTickNs;
   reading.time = 1e-9 * static_cast<double>(time - *start_);
   reading.torques = torques_;
-  reading.base = hand::BasePosition::at(*T_world_mount);
-  if (is_fresh(force_at_.time(), time)) reading.base_force = force_;
+  reading.mount = hand::MountPosition::at(*T_world_mount);
+  if (is_fresh(force_at_.time(), time)) reading.mount_force = force_;
   for (const TipContacts& sensed : tip_contacts_) {
     reading.contacts.push_back(
         is_fresh(sensed.time.time(), time) ? sensed.contacts : std::vector<hand::TipContact>{});

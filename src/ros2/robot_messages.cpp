@@ -124,10 +124,10 @@ ReadingMessages messages_of(const hand::HandReading& reading, const hand::Descri
       joint_state({stamp, interface.mount}, names_of(hand.joints), reading.joints, {});
   messages.actuators = joint_state({stamp, interface.mount}, names_of(hand.actuators),
                                    hand::actuator_positions(hand, reading.joints), reading.torques);
-  messages.wrench = {{stamp, interface.world}, {vector_of(reading.base_force), {}}};
+  messages.wrench = {{stamp, interface.world}, {vector_of(reading.mount_force), {}}};
   auto& transforms = messages.tf.transforms;
   transforms.push_back(
-      transform_stamped(stamp, interface.world, interface.mount, reading.base.pose()));
+      transform_stamped(stamp, interface.world, interface.mount, reading.mount.pose()));
   const auto T_mount_link = hand::forward_kinematics(hand, reading.joints);
   std::set<int> links = {hand.palm};
   for (std::size_t i = 0; i < hand.fingers.size(); ++i) {

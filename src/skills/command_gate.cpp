@@ -29,13 +29,13 @@ double speed_along(const Eigen::Vector3d& velocity, const Eigen::Vector3d& way) 
 }
 
 void require_finite(const hand::HandCommand& command) {
-  if (command.positions.allFinite() && command.base.xyz.allFinite() &&
-      command.base.ypr.allFinite()) {
+  if (command.positions.allFinite() && command.mount.xyz.allFinite() &&
+      command.mount.ypr.allFinite()) {
     return;
   }
   throw BadInput(fmt::format("mount at {} {} {} m, turned by {} {} {} rad, sum of the actuators {}",
-                             command.base.xyz.x(), command.base.xyz.y(), command.base.xyz.z(),
-                             command.base.ypr.x(), command.base.ypr.y(), command.base.ypr.z(),
+                             command.mount.xyz.x(), command.mount.xyz.y(), command.mount.xyz.z(),
+                             command.mount.ypr.x(), command.mount.ypr.y(), command.mount.ypr.z(),
                              command.positions.sum()));
 }
 
@@ -91,25 +91,25 @@ hand::HandCommand CommandGate::limited(const hand::HandCommand& wanted) {
   require_size(wanted.positions, actuators_.size());
   require_finite(wanted);
   hand::HandCommand allowed = wanted;
-  limit_base(allowed.base);
+  limit_mount(allowed.mount);
   limit_fingers(allowed.positions);
-  changed_ += allowed.positions != wanted.positions || allowed.base.xyz != wanted.base.xyz ||
-              allowed.base.ypr != wanted.base.ypr;
+  changed_ += allowed.positions != wanted.positions || allowed.mount.xyz != wanted.mount.xyz ||
+              allowed.mount.ypr != wanted.mount.ypr;
   last_ = allowed;
   return allowed;
 }
 
-void CommandGate::limit_base(hand::BasePosition& base) {
-  const double reach = base.xyz.norm();
-  if (reach > options_.workspace) base.xyz *= options_.workspace / reach;
-  const double slide = speed_along(slide_, base.xyz - last_.base.xyz);
-  const double turn = speed_along(turn_, base.ypr - last_.base.ypr);
-  base.xyz = limited_step(last_.base.xyz, base.xyz,
-                          largest_step(slide, options_.base_speed, options_.base_acceleration));
-  base.ypr = limited_step(last_.base.ypr, base.ypr,
-                          largest_step(turn, options_.turn_speed, options_.turn_acceleration));
-  slide_ = (base.xyz - last_.base.xyz) / hand::kTick;
-  turn_ = (base.ypr - last_.base.ypr) / hand::kTick;
+void CommandGate::limit_mount(hand::MountPosition& mount) {
+  const double reach = mount.xyz.norm();
+  if (reach > options_.workspace) mount.xyz *= options_.workspace / reach;
+  const double slide = speed_along(slide_, mount.xyz - last_.mount.xyz);
+  const double turn = speed_along(turn_, mount.ypr - last_.mount.ypr);
+  mount.xyz = limited_step(last_.mount.xyz, mount.xyz,
+                           largest_step(slide, options_.mount_speed, options_.mount_acceleration));
+  mount.ypr = limited_step(last_.mount.ypr, mount.ypr,
+                           largest_step(turn, options_.turn_speed, options_.turn_acceleration));
+  slide_ = (mount.xyz - last_.mount.xyz) / hand::kTick;
+  turn_ = (mount.ypr - last_.mount.ypr) / hand::kTick;
 }
 
 void CommandGate::limit_fingers(hand::ActuatorVector& positions) {

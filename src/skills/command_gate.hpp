@@ -51,12 +51,12 @@ class CommandGate {
   /// The last command that was let through; at first, where the hand is.
   [[nodiscard]] const hand::HandCommand& last() const { return last_; }
   /// The last command counts as one that much higher (m): the world's origin has moved.
-  void raise(double height) { last_.base.xyz.z() += height; }
+  void raise(double height) { last_.mount.xyz.z() += height; }
   /// Commands that had to be changed, so far.
   [[nodiscard]] std::size_t changed() const { return changed_; }
 
  private:
-  void limit_base(hand::BasePosition& base);
+  void limit_mount(hand::MountPosition& mount);
   void limit_fingers(hand::ActuatorVector& positions);
 
   std::vector<hand::Actuator> actuators_;

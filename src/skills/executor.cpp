@@ -16,7 +16,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/hand/assembled_hand.hpp"
-#include "palpate/hand/nearest_base.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 #include "skills/command_gate.hpp"
 #include "skills/reading_gate.hpp"
 #include "skills/safe_posture.hpp"
@@ -33,7 +33,7 @@ constexpr int kEasingTicks = 30;  // in which a stopped hand gives way
 
 /// Whether an attitude is stated in other turns than the command's: arms give angles from -pi to
 /// pi.
-bool is_turned_round(const hand::BasePosition& read, const hand::BasePosition& command) {
+bool is_turned_round(const hand::MountPosition& read, const hand::MountPosition& command) {
   return read.ypr.allFinite() &&
          (read.ypr - command.ypr).cwiseAbs().maxCoeff() > std::numbers::pi / 2;
 }
@@ -65,7 +65,7 @@ std::function<void()> one_at_a_time(std::function<void()> call) {
 hand::HandReading at_rest(const hand::Description& hand, const hand::HandCommand& command) {
   return {.joints = hand::joints_in_free_flexion(hand, command.positions),
           .torques = hand::ActuatorVector::Zero(hand.actuator_count()),
-          .base = command.base,
+          .mount = command.mount,
           .contacts = std::vector<std::vector<hand::TipContact>>(hand.fingers.size()),
           .biotacs = {}};
 }
@@ -113,7 +113,7 @@ const ModelFactory& Executor::models() const {
 void Executor::set_table(const Eigen::Isometry3d& T_world_table) {
   const double height = T_world_table.translation().z();
   table_height_ += height;
-  command_.base.xyz.z() -= height;
+  command_.mount.xyz.z() -= height;
   commands_->raise(-height);
   log_.T_world_table = Eigen::Isometry3d(T_world_table.linear());
 }
@@ -125,7 +125,7 @@ Eigen::Vector3d Executor::steady_load() {
     Eigen::Vector3d now = Eigen::Vector3d::Zero();
     const auto count = std::min<std::size_t>(kSteadyReadings, log_.readings.size());
     for (const auto& reading : std::span(log_.readings).last(count)) {
-      now += reading.base_force / static_cast<double>(count);
+      now += reading.mount_force / static_cast<double>(count);
     }
     const bool steady = (now - before).norm() < kSteadyLoad;
     before = now;
@@ -137,24 +137,24 @@ Eigen::Vector3d Executor::steady_load() {
 void Executor::tare() {
   const Eigen::Vector3d load = steady_load();
   if (time() >= deadline_ || load.norm() > kMaxDrift) return;
-  load_error_.bias += reading().base.pose().linear().transpose() * load;
+  load_error_.bias += reading().mount.pose().linear().transpose() * load;
 }
 
 /// One step of the hand, in the world whose z = 0 is the table.
 hand::HandReading Executor::step() {
   hand::HandCommand in_world = command_;
-  in_world.base.xyz.z() += table_height_;
+  in_world.mount.xyz.z() += table_height_;
   const auto begin = std::chrono::steady_clock::now();
   pause_ = answered_ ? std::chrono::duration<double>(begin - *answered_).count() : 0;
   hand::HandReading reading = hand_.step(in_world);
   answered_ = std::chrono::steady_clock::now();
-  if (is_turned_round(reading.base, in_world.base)) {
-    reading.base = hand::nearest_base(reading.base.pose(), in_world.base);
+  if (is_turned_round(reading.mount, in_world.mount)) {
+    reading.mount = hand::nearest_mount(reading.mount.pose(), in_world.mount);
   }
-  reading.base.xyz.z() -= table_height_;
-  sensed_load_ = reading.base_force;
-  reading.base_force -= reading.base.pose().linear() * load_error_.bias;
-  reading.base_force.z() -= load_error_.weight;
+  reading.mount.xyz.z() -= table_height_;
+  sensed_load_ = reading.mount_force;
+  reading.mount_force -= reading.mount.pose().linear() * load_error_.bias;
+  reading.mount_force.z() -= load_error_.weight;
   return reading;
 }
 
@@ -249,13 +249,13 @@ void Executor::make_safe(Fault fault, std::string detail) noexcept {
 
 /// A command that moves nothing.
 hand::HandCommand Executor::where_it_is() const {
-  return {hand::actuator_positions(model_, reading().joints), reading().base};
+  return {hand::actuator_positions(model_, reading().joints), reading().mount};
 }
 
-/// One step more, with a reading, so that the base gives way to where it is, not to where it was.
+/// One step more, with a reading, so that the mount gives way to where it is, not to where it was.
 /// What the fingers hold they keep, unless too much force is the fault.
 void Executor::ease() {
-  command_ = with_eased_base(command_, reading(), safety_.options);
+  command_ = with_eased_mount(command_, reading(), safety_.options);
   const bool forceful = fault_.fault == Fault::excess_force ||
                         fault_.fault == Fault::unsensed_load || fault_.fault == Fault::joint_stuck;
   if (forceful || !holds_object(log_)) {

@@ -20,16 +20,17 @@ constexpr double kLeverArm = 0.2;   // m: what a turn of 1 rad counts as a way o
 constexpr int kCheckedSteps = 100;  // of a way that is asked about
 
 /// s that the way takes at a speed (m/s).
-double seconds_of(const hand::BasePosition& from, const hand::BasePosition& target, double speed) {
+double seconds_of(const hand::MountPosition& from, const hand::MountPosition& target,
+                  double speed) {
   const double turn = kLeverArm * (target.ypr - from.ypr).cwiseAbs().maxCoeff();
   return std::max((target.xyz - from.xyz).norm(), turn) / speed;
 }
 
 /// A tick after the other.
-std::vector<hand::BasePosition> way_to(const hand::BasePosition& from,
-                                       const hand::BasePosition& target,
-                                       const SpeedProfile& profile) {
-  std::vector<hand::BasePosition> way;
+std::vector<hand::MountPosition> way_to(const hand::MountPosition& from,
+                                        const hand::MountPosition& target,
+                                        const SpeedProfile& profile) {
+  std::vector<hand::MountPosition> way;
   for (int i = 1; i <= profile.ticks(); ++i) {
     way.push_back(between(from, target, profile.share(i)));
   }
@@ -65,8 +66,8 @@ Value Executor::ask_hand(const std::function<Value()>& ask) const {
 }
 
 /// Of a way in the world whose z = 0 is the table.
-hand::PathFeasibility Executor::check_path(std::vector<hand::BasePosition> way) const {
-  for (hand::BasePosition& base : way) base.xyz.z() += table_height_;
+hand::PathFeasibility Executor::check_path(std::vector<hand::MountPosition> way) const {
+  for (hand::MountPosition& mount : way) mount.xyz.z() += table_height_;
   return ask_hand<hand::PathFeasibility>([&] {
     hand::PathFeasibility checked = hand_.check_path(way);
     const double seconds = checked.stretch * hand::kTick * static_cast<double>(way.size());
@@ -85,33 +86,33 @@ hand::MountLimits Executor::mount_limits() const {
 }
 
 /// @throws SafetyStop for a motion that would never end
-void Executor::require_motion(const hand::BasePosition& target, double speed) {
-  const double seconds = seconds_of(command_.base, target, speed);
+void Executor::require_motion(const hand::MountPosition& target, double speed) {
+  const double seconds = seconds_of(command_.mount, target, speed);
   if (speed > 0 && std::isfinite(speed) && !(seconds > safety_.options.max_log)) return;
   stop_for(Fault::invalid_command,
            fmt::format("a motion at {} m/s, which would take {} s", speed, seconds));
 }
 
-std::string Executor::obstacle(const hand::BasePosition& target) const {
+std::string Executor::obstacle(const hand::MountPosition& target) const {
   const double reach = target.xyz.norm(), workspace = safety_.options.workspace;
   if (reach > workspace) {
     return fmt::format("the mount would be {:.3f} m from the origin, {:.3f} m are allowed", reach,
                        workspace);
   }
-  std::vector<hand::BasePosition> way;
+  std::vector<hand::MountPosition> way;
   for (int i = 1; i <= kCheckedSteps; ++i) {
-    way.push_back(between(command_.base, target, static_cast<double>(i) / kCheckedSteps));
+    way.push_back(between(command_.mount, target, static_cast<double>(i) / kCheckedSteps));
   }
   return check_path(std::move(way)).obstacle;
 }
 
-MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
-                              const StopCondition& stop) {
+MotionEnd Executor::move_mount(const hand::MountPosition& target, double speed,
+                               const StopCondition& stop) {
   if (stop) speed = std::min(speed, mount_limits().guarded_speed);
   require_motion(target, speed);
-  const hand::BasePosition from = command_.base;
+  const hand::MountPosition from = command_.mount;
   SpeedProfile profile(seconds_of(from, target, speed));
-  limit_base(target, profile);
+  limit_mount(target, profile);
   const hand::PathFeasibility checked = check_path(way_to(from, target, profile));
   // A guarded move goes as far as it can: what it is to meet may end it before.
   const bool whole = checked.obstacle.empty();
@@ -119,7 +120,7 @@ MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
   const double last = whole ? 1 : profile.share(static_cast<int>(checked.feasible));
   profile.stretch(checked.stretch);
   for (int i = 1; i <= profile.ticks() && (whole || profile.share(i) <= last); ++i) {
-    command_.base = between(from, target, profile.share(i));
+    command_.mount = between(from, target, profile.share(i));
     if (const auto end = tick_until(stop); end != MotionEnd::reached) return end;
   }
   if (!whole) throw Unreachable(checked.obstacle);
@@ -127,9 +128,9 @@ MotionEnd Executor::move_base(const hand::BasePosition& target, double speed,
 }
 
 MotionEnd Executor::follow(std::span<const hand::HandCommand> way, const StopCondition& stop) {
-  std::vector<hand::BasePosition> bases;
-  for (const auto& command : way) bases.push_back(command.base);
-  const hand::PathFeasibility checked = check_path(std::move(bases));
+  std::vector<hand::MountPosition> mounts;
+  for (const auto& command : way) mounts.push_back(command.mount);
+  const hand::PathFeasibility checked = check_path(std::move(mounts));
   if (!checked.obstacle.empty()) throw Unreachable(checked.obstacle);
   const double times = std::max(1.0, checked.stretch);
   const auto ticks = static_cast<std::size_t>(std::ceil(static_cast<double>(way.size()) * times));
@@ -152,28 +153,28 @@ MotionEnd Executor::move_fingers(const hand::ActuatorVector& posture, double sec
 }
 
 MotionEnd Executor::move_hand(const hand::HandCommand& target, double speed, double seconds) {
-  require_motion(target.base, speed);
+  require_motion(target.mount, speed);
   const hand::HandCommand from = command_;
-  SpeedProfile profile(std::max(seconds, seconds_of(from.base, target.base, speed)));
-  limit_base(target.base, profile);
+  SpeedProfile profile(std::max(seconds, seconds_of(from.mount, target.mount, speed)));
+  limit_mount(target.mount, profile);
   limit_fingers(target.positions, profile);
-  const hand::PathFeasibility checked = check_path(way_to(from.base, target.base, profile));
+  const hand::PathFeasibility checked = check_path(way_to(from.mount, target.mount, profile));
   if (!checked.obstacle.empty()) throw Unreachable(checked.obstacle);
   profile.stretch(checked.stretch);
   for (int i = 1; i <= profile.ticks(); ++i) {
-    command_.base = between(from.base, target.base, profile.share(i));
+    command_.mount = between(from.mount, target.mount, profile.share(i));
     command_.positions = from.positions + profile.share(i) * (target.positions - from.positions);
     if (const auto end = tick_until({}); end != MotionEnd::reached) return end;
   }
   return MotionEnd::reached;
 }
 
-void Executor::limit_base(const hand::BasePosition& target, SpeedProfile& profile) const {
+void Executor::limit_mount(const hand::MountPosition& target, SpeedProfile& profile) const {
   const SafetyOptions& limits = safety_.options;
   const hand::MountLimits gentle = mount_limits();
-  profile.limit((target.xyz - command_.base.xyz).norm(), limits.base_speed,
-                std::min(limits.base_acceleration, gentle.acceleration));
-  profile.limit((target.ypr - command_.base.ypr).norm(), limits.turn_speed,
+  profile.limit((target.xyz - command_.mount.xyz).norm(), limits.mount_speed,
+                std::min(limits.mount_acceleration, gentle.acceleration));
+  profile.limit((target.ypr - command_.mount.ypr).norm(), limits.turn_speed,
                 std::min(limits.turn_acceleration, gentle.turn_acceleration));
 }
 

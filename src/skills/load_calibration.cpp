@@ -8,9 +8,9 @@ constexpr double kDamping = 1e-3;  // of the normal equations, against attitudes
 
 }  // namespace
 
-void LoadCalibration::add(const hand::BasePosition& base, const Eigen::Vector3d& load) {
+void LoadCalibration::add(const hand::MountPosition& mount, const Eigen::Vector3d& load) {
   Eigen::Matrix<double, 3, 4> A;
-  A << base.pose().linear(), Eigen::Vector3d::UnitZ();
+  A << mount.pose().linear(), Eigen::Vector3d::UnitZ();
   information_ += A.transpose() * A;
   weighted_ += A.transpose() * load;
 }

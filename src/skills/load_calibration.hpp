@@ -13,7 +13,7 @@ namespace palpate::skills {
 class LoadCalibration {
  public:
   /// @param load  of a hand that stands free, N
-  void add(const hand::BasePosition& base, const Eigen::Vector3d& load);
+  void add(const hand::MountPosition& mount, const Eigen::Vector3d& load);
 
   /// @return no error before add()
   [[nodiscard]] LoadError error() const;

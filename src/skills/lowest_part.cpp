@@ -6,19 +6,21 @@
 
 namespace palpate::skills {
 
-hand::Attitude attitude_of(const hand::BasePosition& base) { return {base.ypr.y(), base.ypr.z()}; }
+hand::Attitude attitude_of(const hand::MountPosition& mount) {
+  return {mount.ypr.y(), mount.ypr.z()};
+}
 
 double lowest_part(const hand::Description& hand, const hand::ActuatorVector& posture,
                    const hand::Attitude& attitude, const std::function<bool(int link)>& counts) {
-  const auto T_base_link =
+  const auto T_mount_link =
       hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, posture));
-  hand::BasePosition base;
-  base.ypr << 0, attitude.pitch, attitude.roll;
-  const Eigen::RowVector3d up = base.pose().linear().row(2);
+  hand::MountPosition mount;
+  mount.ypr << 0, attitude.pitch, attitude.roll;
+  const Eigen::RowVector3d up = mount.pose().linear().row(2);
   double low = std::numeric_limits<double>::infinity();
   for (const hand::LinkSphere& ball : hand.spheres) {
     if (counts && !counts(ball.link)) continue;
-    const auto& T = T_base_link[static_cast<std::size_t>(ball.link)];
+    const auto& T = T_mount_link[static_cast<std::size_t>(ball.link)];
     low = std::min(low, up.dot(T * ball.center) - ball.radius);
   }
   return low;

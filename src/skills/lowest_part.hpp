@@ -9,7 +9,7 @@
 namespace palpate::skills {
 
 /// Pitch and roll of the mount.
-hand::Attitude attitude_of(const hand::BasePosition& base);
+hand::Attitude attitude_of(const hand::MountPosition& mount);
 
 /// Height of the hand's lowest part over the mount's, m; negative for what is below it.
 /// @param counts  which links to look at; empty: all

@@ -17,7 +17,7 @@ constexpr double kUpSpeed = 0.30;  // m/s
 
 bool is_pushed(const Executor& robot) {
   const hand::HandReading& reading = robot.reading();
-  double most = -reading.base_force.z();
+  double most = -reading.mount_force.z();
   for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
     if (robot.trusted(finger)) most = std::max(most, hand::tip_force(reading, finger));
   }
@@ -53,9 +53,9 @@ void open_yielding(Executor& robot, const hand::ActuatorVector& posture, double 
     const double share = static_cast<double>(i) / kSteps;
     robot.move_fingers(from + share * (posture - from), seconds / kSteps);
     if (!is_pushed(robot)) continue;
-    hand::BasePosition up = robot.command().base;
+    hand::MountPosition up = robot.command().mount;
     up.xyz.z() += kYield;
-    robot.move_base(up, kUpSpeed);
+    robot.move_mount(up, kUpSpeed);
   }
 }
 

@@ -50,7 +50,7 @@ constexpr double kLowest = 0.1;  // m, of the mount where an object is to be gra
 
 /// Why the mount cannot come to a place in any of the directions from which grasps are tried.
 std::string place_obstacle(const Executor& robot, const Eigen::Vector2d& place) {
-  hand::BasePosition there = robot.command().base;
+  hand::MountPosition there = robot.command().mount;
   there.xyz.head<2>() = place;
   if (std::string obstacle = robot.obstacle(there); !obstacle.empty()) return obstacle;
   const auto& attitudes = robot.model().postures.top.attitudes;
@@ -307,7 +307,7 @@ class Picking {
     bool ok = false;
     if (log.at(estimation::TouchEvent::held)) {
       PlaceGoal goal;
-      goal.base = log.readings[*log.at(estimation::TouchEvent::closed)].base;
+      goal.mount = log.readings[*log.at(estimation::TouchEvent::closed)].mount;
       ok = sequence_.run(PlacePhase(lower, goal, 0, "put-down"));
     } else {
       ok = sequence_.run(OpenPhase(lower));

@@ -24,8 +24,8 @@ constexpr double kNormalError = 0.1;  // of the length of a unit normal
 
 bool finite(const hand::HandReading& reading) {
   return reading.joints.allFinite() && reading.torques.allFinite() &&
-         reading.base.xyz.allFinite() && reading.base.ypr.allFinite() &&
-         reading.base_force.allFinite();
+         reading.mount.xyz.allFinite() && reading.mount.ypr.allFinite() &&
+         reading.mount_force.allFinite();
 }
 
 bool same(const std::vector<hand::TipContact>& a, const std::vector<hand::TipContact>& b) {
@@ -46,7 +46,7 @@ bool believable(const hand::TipContact& contact, const hand::Finger& finger,
          hand::distance_from_tip(contact.p, finger) <= options.tip_reach;
 }
 
-double turn_off(const hand::BasePosition& a, const hand::BasePosition& b) {
+double turn_off(const hand::MountPosition& a, const hand::MountPosition& b) {
   return Eigen::AngleAxisd(a.pose().linear().transpose() * b.pose().linear()).angle();
 }
 
@@ -58,8 +58,8 @@ void limit_force(hand::TipContact& contact, double force_range) {
 
 /// What a driver gives that has not heard of its hand yet.
 bool is_blank(const hand::HandReading& reading) {
-  return reading.joints.isZero(0) && reading.torques.isZero(0) && reading.base.xyz.isZero(0) &&
-         reading.base.ypr.isZero(0);
+  return reading.joints.isZero(0) && reading.torques.isZero(0) && reading.mount.xyz.isZero(0) &&
+         reading.mount.ypr.isZero(0);
 }
 
 }  // namespace
@@ -92,8 +92,8 @@ std::string ReadingGate::not_finite(const hand::HandReading& reading) const {
                          hand_.actuators[static_cast<std::size_t>(i)].name, reading.torques[i]);
     }
   }
-  const bool load = !reading.base_force.allFinite();
-  const Eigen::Vector3d& value = load ? reading.base_force : reading.base.xyz;
+  const bool load = !reading.mount_force.allFinite();
+  const Eigen::Vector3d& value = load ? reading.mount_force : reading.mount.xyz;
   return fmt::format("the {} reads {} {} {}", load ? "mount's load" : "mount", value.x(), value.y(),
                      value.z());
 }
@@ -192,8 +192,8 @@ std::string ReadingGate::impossible_value(const hand::HandReading& reading, Faul
                        hand_.actuators[static_cast<std::size_t>(i)].name, positions[i], range.low,
                        range.high);
   }
-  const double reach = reading.base.xyz.norm(), load = reading.base_force.norm();
-  if (reach > options_.workspace + options_.base_jump) {
+  const double reach = reading.mount.xyz.norm(), load = reading.mount_force.norm();
+  if (reach > options_.workspace + options_.mount_jump) {
     return fmt::format("the mount reads {:.3f} m from the origin", reach);
   }
   if (load > options_.load_range) return fmt::format("the mount's load reads {:.1f} N", load);
@@ -207,12 +207,12 @@ std::string ReadingGate::jump(const hand::HandReading& reading) const {
   if (!last_) return {};
   Eigen::Index joint = 0;
   const double turned = (reading.joints - last_->joints).cwiseAbs().maxCoeff(&joint);
-  const double moved = (reading.base.xyz - last_->base.xyz).norm();
+  const double moved = (reading.mount.xyz - last_->mount.xyz).norm();
   if (turned > options_.joint_jump) {
     return fmt::format("joint {} jumped by {:.3f} rad",
                        hand_.joints[static_cast<std::size_t>(joint)].name, turned);
   }
-  if (moved > options_.base_jump) return fmt::format("the mount jumped by {:.3f} m", moved);
+  if (moved > options_.mount_jump) return fmt::format("the mount jumped by {:.3f} m", moved);
   return {};
 }
 
@@ -258,7 +258,7 @@ ReadingCheck ReadingGate::check_touch(hand::HandReading& reading) {
 }
 
 ReadingCheck ReadingGate::check_load(const hand::HandReading& reading) {
-  const double load = reading.base_force.norm();
+  const double load = reading.mount_force.norm();
   if (load <= options_.max_load) return {};
   const bool sensed = hand::count_contacts(reading, kSensedForce) > 0;
   return {true, sensed ? Fault::excess_force : Fault::unsensed_load,
@@ -302,13 +302,13 @@ const char* ReadingGate::astray(int still, int off) const {
 /// What carries the hand follows its command, too.
 ReadingCheck ReadingGate::check_mount(const hand::HandReading& reading,
                                       const hand::HandCommand& command) {
-  const double off = (command.base.xyz - reading.base.xyz).norm();
-  const double turned = turn_off(command.base, reading.base);
-  const bool stands = (reading.base.xyz - mount_rest_).norm() < kMountStands;
+  const double off = (command.mount.xyz - reading.mount.xyz).norm();
+  const double turned = turn_off(command.mount, reading.mount);
+  const bool stands = (reading.mount.xyz - mount_rest_).norm() < kMountStands;
   const bool follows = off < options_.mount_error && turned < options_.tracking_error;
   mount_off_ = follows ? 0 : mount_off_ + 1;
   mount_astray_ = follows || !stands ? 0 : mount_astray_ + 1;
-  if (mount_astray_ == 0) mount_rest_ = reading.base.xyz;
+  if (mount_astray_ == 0) mount_rest_ = reading.mount.xyz;
   const char* const how = astray(mount_astray_, mount_off_);
   if (!how) return {};
   return {true, Fault::joint_stuck,
@@ -319,8 +319,8 @@ ReadingCheck ReadingGate::check_mount(const hand::HandReading& reading,
 ReadingCheck ReadingGate::check_start(const hand::HandReading& reading,
                                       const hand::HandCommand& command) const {
   if (is_blank(reading)) return {};  // whether it stays so is checked later
-  const double off = (command.base.xyz - reading.base.xyz).norm();
-  const double turned = turn_off(command.base, reading.base);
+  const double off = (command.mount.xyz - reading.mount.xyz).norm();
+  const double turned = turn_off(command.mount, reading.mount);
   if (off >= options_.mount_error || turned >= options_.tracking_error) {
     return {
         true, Fault::not_at_start,

@@ -10,16 +10,16 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kTurnLever = 0.2;  // m: the base's turns give way at the speed over this
+constexpr double kTurnLever = 0.2;  // m: the mount's turns give way at the speed over this
 
 }  // namespace
 
-hand::HandCommand with_eased_base(const hand::HandCommand& command,
-                                  const hand::HandReading& reading, const SafetyOptions& options) {
+hand::HandCommand with_eased_mount(const hand::HandCommand& command,
+                                   const hand::HandReading& reading, const SafetyOptions& options) {
   hand::HandCommand next = command;
   const double step = options.release_speed * hand::kTick;
-  next.base.xyz = limited_step(command.base.xyz, reading.base.xyz, step);
-  next.base.ypr = limited_step(command.base.ypr, reading.base.ypr, step / kTurnLever);
+  next.mount.xyz = limited_step(command.mount.xyz, reading.mount.xyz, step);
+  next.mount.ypr = limited_step(command.mount.ypr, reading.mount.ypr, step / kTurnLever);
   return next;
 }
 

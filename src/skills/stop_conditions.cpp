@@ -19,7 +19,7 @@ Executor::StopCondition lasting_load(const Executor& robot, const Eigen::Vector3
   return [direction, load, start = robot.time(),
           loaded = 0](const hand::HandReading& reading) mutable {
     const bool now =
-        reading.time > start + kLoadSettles && direction.dot(reading.base_force) > load;
+        reading.time > start + kLoadSettles && direction.dot(reading.mount_force) > load;
     loaded = now ? loaded + 1 : 0;
     return loaded >= kTicksOfLoad;
   };
@@ -29,7 +29,7 @@ Executor::StopCondition rising_load(const Executor& robot, const Eigen::Vector3d
                                     double load) {
   return [direction, load, start = robot.time(), steady = 0.0, averaged = 0,
           loaded = 0](const hand::HandReading& reading) mutable {
-    const double now = direction.dot(reading.base_force);
+    const double now = direction.dot(reading.mount_force);
     const double moving = reading.time - start;
     if (moving <= kLoadSettles) return false;
     if (averaged == 0 || moving <= kLoadSettles + kSteadyFor) {
@@ -44,7 +44,7 @@ Executor::StopCondition rising_load(const Executor& robot, const Eigen::Vector3d
 Executor::StopCondition impact(const Executor& robot, const Eigen::Vector3d& direction) {
   return [direction, from = robot.time() + kImpactLoadSettles,
           loaded = 0](const hand::HandReading& reading) mutable {
-    const bool now = reading.time > from && direction.dot(reading.base_force) > kImpact;
+    const bool now = reading.time > from && direction.dot(reading.mount_force) > kImpact;
     loaded = now ? loaded + 1 : 0;
     return loaded >= kTicksOfImpact;
   };
@@ -52,7 +52,7 @@ Executor::StopCondition impact(const Executor& robot, const Eigen::Vector3d& dir
 
 Executor::StopCondition load_below(double load, double since) {
   return [load, since, ticks = 0](const hand::HandReading& reading) mutable {
-    ticks = reading.time > since && reading.base_force.z() < load ? ticks + 1 : 0;
+    ticks = reading.time > since && reading.mount_force.z() < load ? ticks + 1 : 0;
     return ticks >= kTicksOfLoad;
   };
 }

@@ -19,7 +19,7 @@ std::vector<hand::HandCommand> stretched(const hand::HandCommand& from,
     const hand::HandCommand& b = way[after];
     const double share = t - static_cast<double>(after);
     result.push_back({.positions = a.positions + share * (b.positions - a.positions),
-                      .base = between(a.base, b.base, share)});
+                      .mount = between(a.mount, b.mount, share)});
   }
   if (ticks > 0) result.back() = way.back();
   return result;

@@ -116,7 +116,7 @@ class Results(CliTest):
         self.assertIn("asked for", strategy["reason"])
         fingers = strategy["fingers"]
         self.assertAlmostEqual(fingers["asked_deg"], 15, places=3)
-        self.assertGreater(fingers["base_turn_deg"], fingers["asked_deg"])
+        self.assertGreater(fingers["mount_turn_deg"], fingers["asked_deg"])
         self.assertIn(fingers["end"], ["reached", "out_of_time", "drift", "losing"])
         self.assertLessEqual(
             {"left", "known", "lost", "steps", "rollouts", "robot_seconds", "plan_seconds"},

@@ -120,7 +120,7 @@ class Plan(CliTest):
             tracking[height] = report["tracking"]
         free = self.run_json("plan", file, "--execute")["tracking"]
         self.assertLess(tracking[0.6]["joint_max"], 2 * free["joint_max"] + 0.01)
-        self.assertLess(tracking[0.6]["base_max"], 2 * free["base_max"] + 0.002)
+        self.assertLess(tracking[0.6]["mount_max"], 2 * free["mount_max"] + 0.002)
         self.assertEqual(tracking[0.6], tracking[0.9])
 
     def test_files_that_are_no_waypoints(self):

@@ -33,7 +33,7 @@ class ObedientHand : public hand::Hand {
   hand::HandReading step(const hand::HandCommand& command) override {
     commands_.push_back(command);
     reading_.time += hand::kTick;
-    reading_.base = command.base;
+    reading_.mount = command.mount;
     reading_.torques = command.positions;
     reading_.joints[0] = 0.001 * static_cast<double>(commands_.size());
     reading_.contacts[1] = {{{0.001, 0, 0}, {0, 0, 1}, {0, 0, -0.5}}};
@@ -54,7 +54,7 @@ class HandPeer : public DdsTest {
   hand::HandCommand command(int i) const {
     auto command = hand::resting_command(hand_);
     for (auto& position : command.positions) position = 0.01 * i;
-    command.base.xyz = {0.001 * i, 0, 0.3};
+    command.mount.xyz = {0.001 * i, 0, 0.3};
     return command;
   }
 
@@ -84,7 +84,7 @@ TEST_F(HandPeer, EveryCommandIsOneTickAndItsReading) {
     EXPECT_GT(reading.time, before);
     before = reading.time;
     EXPECT_EQ(reading.torques[0], 0.01 * i);
-    EXPECT_TRUE(reading.base.xyz.isApprox(command(i).base.xyz, 1e-12));
+    EXPECT_TRUE(reading.mount.xyz.isApprox(command(i).mount.xyz, 1e-12));
     ASSERT_EQ(reading.contacts[1].size(), 1U);
     EXPECT_NEAR(reading.contacts[1][0].p.x(), 0.001, 1e-9);
   }
@@ -157,26 +157,26 @@ TEST_F(HandPeer, AHandThatStandsElsewhereIsNotCommanded) {
   std::jthread thread([&](const std::stop_token& stop) { server.run(command(400), stop); });
   RemoteHand remote(here_, hand_, {}, {}, {.timeout = 20, .patience = 0.5, .connect = 60});
   auto far = command(400);
-  far.base.xyz.x() = 0;
+  far.mount.xyz.x() = 0;
   far.positions.setZero();  // as its joints stand
-  EXPECT_NEAR(remote.step(far).base.xyz.x(), 0.4, 1e-9);
+  EXPECT_NEAR(remote.step(far).mount.xyz.x(), 0.4, 1e-9);
   thread.request_stop();
   thread.join();
-  for (const auto& commanded : hand.commands_) EXPECT_EQ(commanded.base.xyz.x(), 0.4);
+  for (const auto& commanded : hand.commands_) EXPECT_EQ(commanded.mount.xyz.x(), 0.4);
 }
 
 /// The same place, another attitude.
 TEST_F(HandPeer, AHandThatIsTurnedIsNotCommanded) {
   auto turned = command(0);
-  turned.base.ypr = {0, 0, 2};
+  turned.mount.ypr = {0, 0, 2};
   ObedientHand hand(hand_);
   HandServer server(there_, hand, hand_, {}, {}, {.real_time = true});
   std::jthread thread([&](const std::stop_token& stop) { server.run(turned, stop); });
   RemoteHand remote(here_, hand_, {}, {}, {.timeout = 20, .patience = 0.5, .connect = 60});
-  EXPECT_NEAR(remote.step(command(0)).base.ypr[2], 2, 1e-9);
+  EXPECT_NEAR(remote.step(command(0)).mount.ypr[2], 2, 1e-9);
   thread.request_stop();
   thread.join();
-  for (const auto& commanded : hand.commands_) EXPECT_EQ(commanded.base.ypr[2], 2);
+  for (const auto& commanded : hand.commands_) EXPECT_EQ(commanded.mount.ypr[2], 2);
 }
 
 /// A robot that is not commanded, whose messages are not those of the hand.
@@ -284,7 +284,7 @@ class CommandsTest : public testing::Test {
 TEST_F(CommandsTest, JointsAndMountOfOneStampAreOneCommand) {
   EXPECT_EQ(commands_.take_mount(mount(1, 0.5)), Effect::none);
   EXPECT_EQ(commands_.take_joints(joints(1, 0.25)), Effect::step);
-  EXPECT_EQ(commands_.command().base.xyz.x(), 0.5);
+  EXPECT_EQ(commands_.command().mount.xyz.x(), 0.5);
   EXPECT_EQ(commands_.command().positions[2], 0.25);
   EXPECT_EQ(commands_.take_joints(joints(2, 0.5)), Effect::none);
   EXPECT_EQ(commands_.take_mount(mount(2, 0.75)), Effect::step);  // in the other order
@@ -298,7 +298,7 @@ TEST_F(CommandsTest, RepeatedOnesAreKnownAndLateOnesDropped) {
   EXPECT_EQ(commands_.take_joints(joints(4, 0.75)), Effect::none);
   EXPECT_EQ(commands_.take_mount(mount(4, 0.75)), Effect::none);
   EXPECT_EQ(commands_.command().positions[2], 0.25);
-  EXPECT_EQ(commands_.command().base.xyz.x(), 0.5);
+  EXPECT_EQ(commands_.command().mount.xyz.x(), 0.5);
   EXPECT_EQ(commands_.malformed(), 0U);
 }
 
@@ -318,7 +318,7 @@ TEST_F(CommandsTest, PositionsAndTheNextTargetOfTheMountAreOneCommand) {
   EXPECT_EQ(commands_.take_positions(positions), Effect::step);
   EXPECT_EQ(commands_.take_positions(positions), Effect::none);  // in the other order
   EXPECT_EQ(commands_.take_mount(mount(2, 0.75)), Effect::step);
-  EXPECT_EQ(commands_.command().base.xyz.x(), 0.75);
+  EXPECT_EQ(commands_.command().mount.xyz.x(), 0.75);
   EXPECT_EQ(commands_.take_mount(mount(3, 1)), Effect::none);
 }
 
@@ -345,7 +345,7 @@ TEST_F(CommandsTest, AStampOfZeroIsTheTimeOfArrival) {
   EXPECT_EQ(commands_.take_joints(joints(0, 0.25)), Effect::step);
   EXPECT_EQ(commands_.command().positions[2], 0.25);
   EXPECT_EQ(commands_.take_mount(mount(0, 0.5)), Effect::step);
-  EXPECT_EQ(commands_.command().base.xyz.x(), 0.5);
+  EXPECT_EQ(commands_.command().mount.xyz.x(), 0.5);
   EXPECT_EQ(commands_.take_joints(joints(0, 0.5)), Effect::step);  // again and again
   EXPECT_EQ(commands_.command().positions[2], 0.5);
 }
@@ -356,10 +356,10 @@ TEST_F(CommandsTest, ATargetOfTheMountInAnotherFrameIsCounted) {
   target.pose.position.x = 0.5;
   EXPECT_EQ(commands_.take_mount(ros2::serialize(target)), Effect::none);
   EXPECT_EQ(commands_.malformed(), 1U);
-  EXPECT_EQ(commands_.command().base.xyz.x(), 0);
+  EXPECT_EQ(commands_.command().mount.xyz.x(), 0);
   target.header.frame_id = "world";
   commands_.take_mount(ros2::serialize(target));
-  EXPECT_EQ(commands_.command().base.xyz.x(), 0.5);
+  EXPECT_EQ(commands_.command().mount.xyz.x(), 0.5);
 }
 
 }  // namespace

@@ -27,11 +27,11 @@ EventLog pushing(std::size_t from, const Eigen::Vector3d& normal) {
   EventLog log;
   for (std::size_t i = 0; i < kReadings; ++i) {
     hand::HandReading reading = hand::resting_reading();
-    reading.base.xyz.x() += kStep * static_cast<double>(i);
+    reading.mount.xyz.x() += kStep * static_cast<double>(i);
     if (i >= from) {
       const auto T = hand::forward_kinematics(hand, reading.joints);
       const auto link = static_cast<std::size_t>(hand.fingers[1].link);
-      const Eigen::Vector3d n = (reading.base.pose() * T[link]).linear().transpose() * normal;
+      const Eigen::Vector3d n = (reading.mount.pose() * T[link]).linear().transpose() * normal;
       reading.contacts[1] = {{{0, 0.007, 0.01}, n, -n}};
     }
     log.readings.push_back(reading);

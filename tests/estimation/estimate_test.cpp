@@ -165,9 +165,9 @@ TEST(EstimateHeldPose, HasAPoseAtAnyInstant) {
     const auto estimate =
         PoseEstimator(s.object, s.locate_options, PickedBox::kSeed).held(s.model, s.log, at);
     return estimate.posterior.modes.at(0).T_frame_object.translation().z() -
-           s.log.readings[at].base.xyz.z();
+           s.log.readings[at].mount.xyz.z();
   };
-  EXPECT_GT(s.log.readings[between].base.xyz.z(), s.log.readings[closed].base.xyz.z());
+  EXPECT_GT(s.log.readings[between].mount.xyz.z(), s.log.readings[closed].mount.xyz.z());
   EXPECT_NEAR(height(between), height(held), 0.004);
 }
 
@@ -251,7 +251,7 @@ EventLog with_touches_apart() {
   for (const std::size_t touched : log.all(TouchEvent::touched)) {
     apart += 0.15;
     for (std::size_t i = touched - std::min(touched, kReadings); i <= touched; ++i) {
-      log.readings[i].base.xyz.x() = scene().log.readings[i].base.xyz.x() + apart;
+      log.readings[i].mount.xyz.x() = scene().log.readings[i].mount.xyz.x() + apart;
     }
   }
   return log;

@@ -18,9 +18,9 @@ hand::HandReading flat_at(double height) {
   const hand::FlatHand& flat = model.postures.flat;
   hand::HandReading reading;
   reading.joints = hand::joints_in_free_flexion(model, flat.positions);
-  reading.base.ypr = {0, flat.attitude.pitch, flat.attitude.roll};
-  reading.base.xyz.head<2>() = -flat.center;
-  reading.base.xyz.z() = height - lowest_of_hand(model, reading);
+  reading.mount.ypr = {0, flat.attitude.pitch, flat.attitude.roll};
+  reading.mount.xyz.head<2>() = -flat.center;
+  reading.mount.xyz.z() = height - lowest_of_hand(model, reading);
   return reading;
 }
 
@@ -44,8 +44,8 @@ TEST(StoppingHeights, WhatFitsBetweenTheFingersStopsTheHandByItsPalm) {
   hand::Description two_fingers = skills::soft_shadow();
   two_fingers.spheres.clear();
   const hand::HandReading reading = flat_at(0.3);
-  const auto T_base_link = hand::forward_kinematics(two_fingers, reading.joints);
-  const Eigen::Isometry3d T_link_world = (reading.base.pose() * T_base_link[0]).inverse();
+  const auto T_mount_link = hand::forward_kinematics(two_fingers, reading.joints);
+  const Eigen::Isometry3d T_link_world = (reading.mount.pose() * T_mount_link[0]).inverse();
   for (const Eigen::Vector3d& p : {Eigen::Vector3d(0.03, 0, 0.3), Eigen::Vector3d(-0.03, 0, 0.3),
                                    Eigen::Vector3d(0, 0, 0.34)}) {
     two_fingers.spheres.push_back({0, T_link_world * p, 0.01});

@@ -29,11 +29,11 @@ class HeldPoseFollowerTest : public testing::Test {
     options.estimation.free_space = false;
   }
 
-  /// A reading with the base at that place, a finger touching or not.
-  hand::HandReading reading(const Eigen::Vector3d& base, bool touches) {
+  /// A reading with the mount at that place, a finger touching or not.
+  hand::HandReading reading(const Eigen::Vector3d& mount, bool touches) {
     hand::HandReading result = hand::resting_reading();
     result.time = hand::kTick * tick++;
-    result.base.xyz = base;
+    result.mount.xyz = mount;
     if (touches) {
       const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
       result.contacts[1].push_back({.p = 0.02 * z, .n = -z, .f = 2 * z});
@@ -42,12 +42,12 @@ class HeldPoseFollowerTest : public testing::Test {
   }
 
   /// A reading whose first finger, bent by so much (rad), touches a face that looks to the right
-  /// (+x); the base stays where it is.
+  /// (+x); the mount stays where it is.
   hand::HandReading touching(double bend) {
     hand::HandReading result = reading({0, 0, 0}, false);
     result.joints[hand.joint("FFJ3")] = bend;
-    const Eigen::Isometry3d T_base_tip = tip_pose(result);
-    const Eigen::Vector3d n = T_base_tip.linear().transpose() * Eigen::Vector3d::UnitX();
+    const Eigen::Isometry3d T_mount_tip = tip_pose(result);
+    const Eigen::Vector3d n = T_mount_tip.linear().transpose() * Eigen::Vector3d::UnitX();
     const Eigen::Vector3d p = hand.fingers[1].tip.b - hand.fingers[1].tip.radius * n;
     result.contacts[1] = {{.p = p, .n = n, .f = -2 * n}};
     return result;

@@ -44,8 +44,8 @@ TEST(EvidenceOfGuardedMoves, IsLessSureOfLightObjectsWhichTouchesPush) {
 /// A hand that closed at the table, lifted, turned aside and let the object down.
 EventLog one_table_touch() {
   EventLog log = one_touch();
-  for (auto& reading : log.readings) reading.base.xyz = {0.1, 0, 0.3};
-  log.readings[20].base = {{0.1, 0, 0.22}, {0.4, 0.3, -0.1}};
+  for (auto& reading : log.readings) reading.mount.xyz = {0.1, 0, 0.3};
+  log.readings[20].mount = {{0.1, 0, 0.22}, {0.4, 0.3, -0.1}};
   log.moments = {{TouchEvent::closed, 5},
                  {TouchEvent::held, 10},
                  {TouchEvent::table_touched, 20},
@@ -59,10 +59,10 @@ TEST(EvidenceInHand, HoldsWhereTheTableWasWhenTheHeldObjectTouchedIt) {
   const auto evidence = evidence_in_hand(hand, log, {29, true}, 0.2, {});
   ASSERT_EQ(evidence.planes.size(), 1u);
   const auto& plane = evidence.planes.front();
-  const Eigen::Isometry3d T_base_world = log.readings[20].base.pose().inverse();
-  EXPECT_NEAR((plane.normal - T_base_world.linear().col(2)).norm(), 0, 1e-9);
+  const Eigen::Isometry3d T_mount_world = log.readings[20].mount.pose().inverse();
+  EXPECT_NEAR((plane.normal - T_mount_world.linear().col(2)).norm(), 0, 1e-9);
   for (const Eigen::Vector3d& p : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.3, -0.2, 0)}) {
-    EXPECT_NEAR(plane.normal.dot(T_base_world * p), plane.height, 1e-9);  // of the table
+    EXPECT_NEAR(plane.normal.dot(T_mount_world * p), plane.height, 1e-9);  // of the table
   }
   EXPECT_EQ(evidence_in_hand(hand, log, {5, false}, 0.2, {}).planes.size(), 1u)
       << "all of the log counts, before and after the instant";

@@ -12,9 +12,9 @@ EventLog counted(int readings) {
   EventLog log;
   for (int i = 1; i <= readings; ++i) {
     hand::HandReading reading;
-    reading.base_force.z() = i;
-    reading.base.xyz.x() = 0.001 * i;
-    reading.base.ypr.z() = 0.01 * i;
+    reading.mount_force.z() = i;
+    reading.mount.xyz.x() = 0.001 * i;
+    reading.mount.ypr.z() = 0.01 * i;
     log.readings.push_back(reading);
   }
   return log;
@@ -27,12 +27,12 @@ TEST(MeanLoad, IsThatOfTheLastReadings) {
   EXPECT_NEAR(mean_load(log, 100), 15.5, 1e-12);
 }
 
-TEST(MeanBase, IsThatOfTheLastReadings) {
+TEST(MeanMount, IsThatOfTheLastReadings) {
   const EventLog log = counted(30);
-  EXPECT_NEAR(mean_base(log, 3).xyz.x(), 0.029, 1e-12);
-  EXPECT_NEAR(mean_base(log, 3).ypr.z(), 0.29, 1e-12);
-  EXPECT_NEAR(mean_base(log, 100).xyz.x(), 0.0155, 1e-12);
-  EXPECT_NEAR(mean_base({log.readings.data(), 2}).xyz.x(), 0.0015, 1e-12);
+  EXPECT_NEAR(mean_mount(log, 3).xyz.x(), 0.029, 1e-12);
+  EXPECT_NEAR(mean_mount(log, 3).ypr.z(), 0.29, 1e-12);
+  EXPECT_NEAR(mean_mount(log, 100).xyz.x(), 0.0155, 1e-12);
+  EXPECT_NEAR(mean_mount({log.readings.data(), 2}).xyz.x(), 0.0015, 1e-12);
 }
 
 }  // namespace

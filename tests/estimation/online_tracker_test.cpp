@@ -28,11 +28,11 @@ class OnlineTrackerTest : public testing::Test {
     options.estimate = false;
   }
 
-  /// A reading with the base at that place, touching or not.
-  hand::HandReading reading(const Eigen::Vector3d& base, bool touches) {
+  /// A reading with the mount at that place, touching or not.
+  hand::HandReading reading(const Eigen::Vector3d& mount, bool touches) {
     hand::HandReading result = hand::resting_reading();
     result.time = hand::kTick * tick++;
-    result.base.xyz = base;
+    result.mount.xyz = mount;
     if (touches) {
       const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
       result.contacts[1].push_back({.p = 0.02 * z, .n = -z, .f = 2 * z});
@@ -74,11 +74,11 @@ TEST_F(OnlineTrackerTest, AnEstimateIsThereOnePeriodLater) {
   OnlineTracker tracker(object, hand, at({0, 0, 0.05}), options, 1);
   // The fingertip touches 4 mm beside where the box is believed to be: it must have been moved.
   hand::HandReading beside = reading({0, 0, 0}, true);
-  const Eigen::Isometry3d T_base_tip =
+  const Eigen::Isometry3d T_mount_tip =
       hand::forward_kinematics(hand, beside.joints)[static_cast<std::size_t>(hand.fingers[1].link)];
-  const Eigen::Vector3d n = T_base_tip.linear().transpose() * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d n = T_mount_tip.linear().transpose() * Eigen::Vector3d::UnitX();
   const Eigen::Vector3d p = hand.fingers[1].tip.b - hand.fingers[1].tip.radius * n;
-  beside.base.xyz = Eigen::Vector3d(0.029, 0, 0.05) - T_base_tip * p;
+  beside.mount.xyz = Eigen::Vector3d(0.029, 0, 0.05) - T_mount_tip * p;
   beside.contacts[1] = {{.p = p, .n = n, .f = -2 * n}};
   for (int i = 0; i < 5; ++i) {
     tracker.update(beside);

@@ -46,8 +46,8 @@ PhaseSequence expect_blind(const char* name, const TrialOptions& options,
     const auto &a = right.frames[i], &b = wrong.frames[i];
     EXPECT_NE(a.truth->T_world_object.matrix(), b.truth->T_world_object.matrix());
     const bool same = a.command.positions == b.command.positions &&
-                      a.command.base.xyz == b.command.base.xyz &&
-                      a.command.base.ypr == b.command.base.ypr;
+                      a.command.mount.xyz == b.command.mount.xyz &&
+                      a.command.mount.ypr == b.command.mount.ypr;
     EXPECT_TRUE(same) << "in frame " << i;
     if (!same) break;
   }

@@ -30,7 +30,7 @@ class SlipperyHand : public hand::Hand {
 struct Mishap {
   static constexpr std::uint64_t kSeed = 7;
 
-  /// Before the robot sees the hand, whose clock and base must not jump.
+  /// Before the robot sees the hand, whose clock and mount must not jump.
   hand::Hand& started() {
     world.reset(draw_start(box.object(), options.start, kSeed),
                 waiting_command(world.hand_model()));

@@ -82,11 +82,11 @@ TEST(PlaceTrial, WhatIsShakenOutOfTheHandIsDropped) {
   TrialOptions options = quick_place_options();
   options.place.strategy = "wrist";
   auto& limits = options.place.transport.plan.limits;
-  limits.base_speed = limits.turn_speed = 10;
-  limits.base_acceleration = limits.turn_acceleration = 100;
+  limits.mount_speed = limits.turn_speed = 10;
+  limits.mount_acceleration = limits.turn_acceleration = 100;
   // The robot's own limits forbid that.
-  options.safety.base_speed = options.safety.turn_speed = 10;
-  options.safety.base_acceleration = options.safety.turn_acceleration = 1000;
+  options.safety.mount_speed = options.safety.turn_speed = 10;
+  options.safety.mount_acceleration = options.safety.turn_acceleration = 1000;
   options.safety.max_load = options.safety.load_range;
   options.place.transport.max_slip = 0.1;
   const auto trial = run_trial(box(), options, kSeed);
@@ -129,8 +129,8 @@ TEST(PlaceTrial, WhatIsAmbiguousIsPutBackWhereItCameFrom) {
   ASSERT_TRUE(picked.held);
   const auto closed = *robot.log().at(estimation::TouchEvent::closed);
   const auto held = *robot.log().at(estimation::TouchEvent::held);
-  const Eigen::Isometry3d lowered = robot.log().readings[closed].base.pose() *
-                                    robot.log().readings[held].base.pose().inverse() *
+  const Eigen::Isometry3d lowered = robot.log().readings[closed].mount.pose() *
+                                    robot.log().readings[held].mount.pose().inverse() *
                                     world.truth().T_world_object;
   // Four poses that disagree on the yaw.
   const localization::Mode mode = picked.estimate.posterior.modes.at(0);
@@ -211,7 +211,7 @@ TEST(PlaceTrial, TheFingersTakeAPartOfTheTurn) {
   ASSERT_TRUE(trial.strategy.reorientation);
   EXPECT_EQ(trial.strategy.reason, trial.strategy.reorientation->why);
   EXPECT_NEAR(trial.strategy.reorientation->asked.norm(), options.place.fingers.max, 1e-9);
-  EXPECT_GT(trial.strategy.reorientation->base_rotation,
+  EXPECT_GT(trial.strategy.reorientation->mount_rotation,
             trial.strategy.reorientation->asked.norm());
   EXPECT_GT(trial.strategy.reorientation->result.rollouts, 0);
   EXPECT_EQ(count(trial.place->phases, "turn"), 1u);
@@ -220,7 +220,7 @@ TEST(PlaceTrial, TheFingersTakeAPartOfTheTurn) {
   EXPECT_LT(trial.place_metrics.error.translation, 0.03);
 }
 
-TEST(PlaceTrial, WhatTheBaseTurnsByLittleIsNoWorkForTheFingers) {
+TEST(PlaceTrial, WhatTheMountTurnsByLittleIsNoWorkForTheFingers) {
   TrialOptions options = quick_place_options();
   options.place.strategy = "fingers";
   options.place.fingers.min = 1.0;  // more than `max`: always too little

@@ -69,7 +69,7 @@ TEST(Start, LeavesNoTraceInTheWorld) {
     const auto b = other.hand().step(waiting);
     EXPECT_EQ(a.time, b.time);
     EXPECT_EQ(a.joints, b.joints);
-    EXPECT_EQ(a.base_force, b.base_force);
+    EXPECT_EQ(a.mount_force, b.mount_force);
   }
 }
 

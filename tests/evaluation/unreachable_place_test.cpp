@@ -16,7 +16,7 @@ class BlockedHand : public hand::Hand {
  public:
   explicit BlockedHand(hand::Hand& hand) : hand_(hand) {}
   hand::HandReading step(const hand::HandCommand& command) override { return hand_.step(command); }
-  hand::PathFeasibility check_path(std::span<const hand::BasePosition>) const override {
+  hand::PathFeasibility check_path(std::span<const hand::MountPosition>) const override {
     if (blocked) return {.obstacle = "the hand would meet shoulder_link"};
     return {};
   }

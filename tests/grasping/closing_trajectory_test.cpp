@@ -16,7 +16,7 @@ constexpr std::size_t kMiddle = static_cast<std::size_t>(hand::FingerName::middl
 
 class ClosingTrajectoryTest : public ::testing::Test {
  protected:
-  ClosingTrajectoryTest() { base_.translation().z() = 0.3; }
+  ClosingTrajectoryTest() { mount_.translation().z() = 0.3; }
   ClosingTrajectory path(const hand::PerFinger<bool>& closing = kAllFingers) const {
     return closing_trajectory(model_, preshape_.open, law_, closing);
   }
@@ -25,17 +25,17 @@ class ClosingTrajectoryTest : public ::testing::Test {
   PlacedObject box_on_the_way(const ClosingTrajectory& path,
                               const Eigen::Vector3d& displaced = {0, 0, 0}) {
     const auto& shapes = path.fingers[kMiddle];
-    Eigen::Isometry3d T = base_;
+    Eigen::Isometry3d T = mount_;
     T.translation() +=
-        base_.linear() * shapes[shapes.size() / 2].tip.back().cast<double>() + displaced;
-    return {box_, T, base_};
+        mount_.linear() * shapes[shapes.size() / 2].tip.back().cast<double>() + displaced;
+    return {box_, T, mount_};
   }
 
   hand::Description model_ = simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"));
   const hand::Preshape& preshape_ = model_.postures.top;
   ClosingLaw law_{model_, 1.0, preshape_.closed};
   geometry::ObjectModel box_{geometry::load_known_object("box")};
-  Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d mount_ = Eigen::Isometry3d::Identity();
 };
 
 TEST_F(ClosingTrajectoryTest, FingersCloseFromTheOpenPosture) {
@@ -125,7 +125,7 @@ TEST_F(ClosingTrajectoryTest, AFingerThatMeetsNothingClosesToTheEnd) {
 }
 
 TEST_F(ClosingTrajectoryTest, ATipThatMeetsTheTableStops) {
-  base_.translation().z() = 0;
+  mount_.translation().z() = 0;
   const ClosingTrajectory closing = path();
   const PlacedObject box = box_on_the_way(closing, {0.5, 0, 0});
   const auto [stop, contact] = meet(box, closing, kMiddle, 0.0025);

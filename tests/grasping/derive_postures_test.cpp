@@ -29,15 +29,15 @@ const hand::Description& derived() {
 /// Height of the lowest ball of a link, or of all others, over the mount, m.
 double lowest(const hand::PointingHand& pointing, bool of_tip) {
   const hand::Description& hand = derived();
-  hand::BasePosition base;
-  base.ypr << 0, pointing.attitude.pitch, pointing.attitude.roll;
+  hand::MountPosition mount;
+  mount.ypr << 0, pointing.attitude.pitch, pointing.attitude.roll;
   const auto T =
       hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, pointing.positions));
   const int tip = hand.fingers[static_cast<std::size_t>(pointing.finger)].link;
   double low = std::numeric_limits<double>::infinity();
   for (const auto& ball : hand.spheres) {
     if ((ball.link == tip) != of_tip) continue;
-    const Eigen::Vector3d p = base.pose() * (T[static_cast<std::size_t>(ball.link)] * ball.center);
+    const Eigen::Vector3d p = mount.pose() * (T[static_cast<std::size_t>(ball.link)] * ball.center);
     low = std::min(low, p.z() - ball.radius);
   }
   return low;

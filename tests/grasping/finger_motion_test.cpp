@@ -25,10 +25,10 @@ struct HalfClosed {
     posture[hand::shadow_hand().actuator("THJ1")] = 0.4;
     const auto T = hand::forward_kinematics(model, joints());
     for (std::size_t finger = 0; finger < hand::kShadowFingers; ++finger) {
-      const auto& T_base_tip = T[static_cast<std::size_t>(model.fingers[finger].link)];
+      const auto& T_mount_tip = T[static_cast<std::size_t>(model.fingers[finger].link)];
       tactile::Contact contact;
       contact.finger = static_cast<int>(finger);
-      contact.p = T_base_tip * (model.fingers[finger].tip.b + Eigen::Vector3d(0, -0.006, 0));
+      contact.p = T_mount_tip * (model.fingers[finger].tip.b + Eigen::Vector3d(0, -0.006, 0));
       contact.n = Eigen::Vector3d::UnitY();
       contacts.push_back(contact);
     }

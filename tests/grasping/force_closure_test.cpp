@@ -78,7 +78,7 @@ TEST(ForceClosure, DoesNotDependOnTheFrame) {
     T.linear() = exp_so3(random.normal3());
     T.translation() = random.normal3();
     GraspContacts moved = contacts;
-    for (GraspContact& contact : moved) contact.T_base_contact = T * contact.T_base_contact;
+    for (GraspContact& contact : moved) contact.T_mount_contact = T * contact.T_mount_contact;
     const auto a = force_closure(contacts), b = force_closure(moved);
     EXPECT_EQ(a.closed, b.closed);
     EXPECT_NEAR(a.margin, b.margin, 1e-6);
@@ -162,7 +162,7 @@ TEST(ForceClosure, AContactThatIsNotFiniteIsNamedNotJudged) {
   GraspContacts disc = around_disc(3, 0.03, ContactModel::hard_finger);
   const Eigen::Vector3d nowhere = Eigen::Vector3d::Constant(std::nan(""));
   EXPECT_THROW(grasp_quality(disc, nowhere), BadInput);
-  disc[1].T_base_contact.translation().y() = std::nan("");
+  disc[1].T_mount_contact.translation().y() = std::nan("");
   try {
     force_closure(disc);
     FAIL() << "judged";

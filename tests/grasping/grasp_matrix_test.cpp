@@ -53,7 +53,7 @@ TEST(Grasp, ObjectWrenchIsThatOfTheForcesAtTheirPlaces) {
   const Eigen::VectorXd w = random_vector(24, random);
   Vector6d expected = Vector6d::Zero();
   for (int i = 0; i < 4; ++i) {
-    const auto& T = contacts[static_cast<std::size_t>(i)].T_base_contact;
+    const auto& T = contacts[static_cast<std::size_t>(i)].T_mount_contact;
     const Eigen::Vector3d m = T.linear() * w.segment<3>(6 * i);
     const Eigen::Vector3d f = T.linear() * w.segment<3>(6 * i + 3);
     expected.head<3>() += m + (T.translation() - center).cross(f);
@@ -69,7 +69,7 @@ TEST(Grasp, ContactTwistsAreVelocitiesOfTheObjectsPoints) {
   const Vector6d twist = random_vector(6, random);
   const Eigen::VectorXd nu = object_contact_twists(grasp_matrix(contacts, center), twist);
   for (int i = 0; i < 3; ++i) {
-    const auto& T = contacts[static_cast<std::size_t>(i)].T_base_contact;
+    const auto& T = contacts[static_cast<std::size_t>(i)].T_mount_contact;
     const Eigen::Vector3d v = twist.tail<3>() + twist.head<3>().cross(T.translation() - center);
     EXPECT_LT((T.linear() * nu.segment<3>(6 * i) - twist.head<3>()).norm(), 1e-12);
     EXPECT_LT((T.linear() * nu.segment<3>(6 * i + 3) - v).norm(), 1e-12);
@@ -95,7 +95,7 @@ TEST(Grasp, HandJacobianIsTheDerivativeOfTheContacts) {
   const auto after = hand::forward_kinematics(hand, joints + kStep * rates);
   for (std::size_t i = 0; i < 2; ++i) {
     const auto link = static_cast<std::size_t>(contacts[i].link);
-    const Eigen::Isometry3d& T = contacts[i].T_base_contact;
+    const Eigen::Isometry3d& T = contacts[i].T_mount_contact;
     const Eigen::Vector3d p_link = now[link].inverse() * T.translation();
     const Eigen::Vector3d v = (after[link] * p_link - before[link] * p_link) / (2 * kStep);
     const Eigen::Vector3d w =
@@ -145,9 +145,9 @@ TEST(Grasp, ReadingsBecomeContacts) {
   ASSERT_EQ(contacts.size(), 1u);
   const Eigen::Isometry3d T = hand::forward_kinematics(hand, reading.joints)[1];
   EXPECT_EQ(contacts[0].link, 1);
-  EXPECT_LT((contacts[0].T_base_contact.translation() - T * Eigen::Vector3d(0.01, 0, 0)).norm(),
+  EXPECT_LT((contacts[0].T_mount_contact.translation() - T * Eigen::Vector3d(0.01, 0, 0)).norm(),
             1e-12);
-  EXPECT_LT((contacts[0].T_base_contact.linear().col(0) + T.linear().col(2)).norm(), 1e-12);
+  EXPECT_LT((contacts[0].T_mount_contact.linear().col(0) + T.linear().col(2)).norm(), 1e-12);
 }
 
 TEST(Grasp, RejectsSizesThatDoNotFit) {

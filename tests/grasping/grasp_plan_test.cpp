@@ -57,9 +57,9 @@ TEST(PlanGrasp, HoldsALyingBoxWhereverItLies) {
     ASSERT_TRUE(plan);
     EXPECT_LT(plan->cost, 0.3);
     EXPECT_GE(plan->fingers, 3);
-    EXPECT_LT((plan->base.xyz.head<2>() - xy).norm(), 0.15);
-    EXPECT_EQ(plan->base.ypr.y(), kPitch);
-    EXPECT_EQ(plan->base.ypr.z(), kRoll);
+    EXPECT_LT((plan->mount.xyz.head<2>() - xy).norm(), 0.15);
+    EXPECT_EQ(plan->mount.ypr.y(), kPitch);
+    EXPECT_EQ(plan->mount.ypr.z(), kRoll);
   }
 }
 
@@ -82,10 +82,10 @@ TEST(PlanGrasp, AvoidsDirectionsThatFailed) {
   const auto T = scene.resting(0.4, {0, 0});
   const auto first = plan_grasp(scene.object, T, scene.path, {kPitch, kRoll}, {});
   ASSERT_TRUE(first);
-  const double yaw = first->base.ypr.x();
+  const double yaw = first->mount.ypr.x();
   const auto second = plan_grasp(scene.object, T, scene.path, {kPitch, kRoll}, {}, {yaw});
   ASSERT_TRUE(second);
-  EXPECT_GT(std::abs(std::remainder(second->base.ypr.x() - yaw, 2 * pi)), 0.3);
+  EXPECT_GT(std::abs(std::remainder(second->mount.ypr.x() - yaw, 2 * pi)), 0.3);
 }
 
 TEST(PlanGrasp, FindsNothingWhereAllDirectionsHaveFailed) {
@@ -102,13 +102,13 @@ TEST(CloseAt, IsWhatThePlanForesawAndNothingWhereTheHandWouldLandOnTheObject) {
   const auto grasps = find_grasps(scene.object, T, scene.path, {kPitch, kRoll}, {});
   ASSERT_FALSE(grasps.empty());
   const GraspPlan& grasp = grasps.front();
-  const auto again = close_virtually(scene.object, T, scene.path, grasp.base, {});
+  const auto again = close_virtually(scene.object, T, scene.path, grasp.mount, {});
   ASSERT_TRUE(again);
   EXPECT_EQ(again->cost, grasp.cost);
   EXPECT_EQ(again->stops, grasp.stops);
   Eigen::Isometry3d below_palm = T;  // the object where the palm comes down
-  below_palm.translation().head<2>() = grasp.base.xyz.head<2>();
-  EXPECT_FALSE(close_virtually(scene.object, below_palm, scene.path, grasp.base, {}));
+  below_palm.translation().head<2>() = grasp.mount.xyz.head<2>();
+  EXPECT_FALSE(close_virtually(scene.object, below_palm, scene.path, grasp.mount, {}));
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ ArmDescription turntable() {
 TEST(ArmFollower, FollowsOnlyOnceItHasBeenReset) {
   ArmFollower follower(turntable());
   const Eigen::Isometry3d start = mount_pose(follower.arm(), ArmVector::Zero(1));
-  const std::vector<BasePosition> way = {BasePosition::at(start)};
+  const std::vector<MountPosition> way = {MountPosition::at(start)};
   EXPECT_THROW(follower.follow(start), std::logic_error);
   EXPECT_THROW(static_cast<void>(follower.check_path(way)), std::logic_error);
   follower.reset(start);

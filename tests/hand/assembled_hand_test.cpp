@@ -19,7 +19,7 @@ namespace {
 /// An arm that is at once where it is commanded to be.
 struct PromptArm : Arm {
   std::string name() const override { return "lift"; }
-  void move(const BasePosition& to) override {
+  void move(const MountPosition& to) override {
     target = to;
     ++moves;
   }
@@ -29,13 +29,13 @@ struct PromptArm : Arm {
     if (silent) return std::nullopt;
     return ArmReading{target, {0, 0, 3}};
   }
-  PathFeasibility check_path(std::span<const BasePosition> way) const override {
+  PathFeasibility check_path(std::span<const MountPosition> way) const override {
     if (judge) judge();
     return {.obstacle = "the ceiling", .feasible = way.size() / 2};
   }
   MountLimits mount_limits() const override { return {.guarded_speed = 0.01}; }
 
-  BasePosition target;
+  MountPosition target;
   bool silent = false;
   int moves = 0, reads = 0;
   std::function<void()> on_read, judge;
@@ -53,7 +53,7 @@ TipContact contact_at(double x) {
 
 HandCommand command_at(double z) {
   HandCommand command = resting_command();
-  command.base.xyz.z() = z;
+  command.mount.xyz.z() = z;
   return command;
 }
 
@@ -63,7 +63,7 @@ struct Parts {
     ++steps;
     reading.contacts[0] = {contact_at(0.1)};
     reading.contacts[1] = {contact_at(0.2)};
-    reading.base.xyz.x() = 7;
+    reading.mount.xyz.x() = 7;
   }};
   PromptArm arm;
   PromptSensor pad, tip;
@@ -86,8 +86,8 @@ TEST(AssembledHand, AnArmCarriesAndSensorsSense) {
   AssembledHand hand(parts.fingers, &parts.arm, {{&parts.pad, 0, "pad"}, {&parts.tip, 0, "tip"}});
   const HandReading reading = hand.step(command_at(0.2));
   EXPECT_EQ(parts.arm.target.xyz.z(), 0.2);
-  EXPECT_EQ(reading.base.xyz, Eigen::Vector3d(0, 0, 0.2));
-  EXPECT_EQ(reading.base_force.z(), 3);
+  EXPECT_EQ(reading.mount.xyz, Eigen::Vector3d(0, 0, 0.2));
+  EXPECT_EQ(reading.mount_force.z(), 3);
   EXPECT_EQ(reading.time, kTick);
   ASSERT_EQ(reading.contacts[0].size(), 3u);  // of both sensors, none of the fingers' own
   EXPECT_EQ(reading.contacts[0][0].p.x(), 0.3);
@@ -95,7 +95,7 @@ TEST(AssembledHand, AnArmCarriesAndSensorsSense) {
   ASSERT_EQ(reading.contacts[1].size(), 1u);
   EXPECT_NEAR(reading.contacts[1][0].p.x(), 0.2, 1e-9);
   EXPECT_EQ(hand.mount_limits().guarded_speed, 0.01);
-  const std::vector<BasePosition> way(6);
+  const std::vector<MountPosition> way(6);
   EXPECT_EQ(hand.check_path(way).obstacle, "the ceiling");
   EXPECT_EQ(hand.check_path(way).feasible, 3u);
 }
@@ -104,7 +104,7 @@ TEST(AssembledHand, WithoutPartsItIsTheFingers) {
   Parts parts;
   AssembledHand hand(parts.fingers, nullptr, {});
   const HandReading reading = hand.step(command_at(0.2));
-  EXPECT_EQ(reading.base.xyz.x(), 7);
+  EXPECT_EQ(reading.mount.xyz.x(), 7);
   EXPECT_EQ(reading.contacts[0].size(), 1u);
   EXPECT_TRUE(hand.check_path({}).obstacle.empty());
 }
@@ -119,7 +119,7 @@ TEST(AssembledHand, TheTimeStaysWhileAPartHasNothingNewer) {
   EXPECT_EQ(hand.step(command_at(0)).time, first + 2 * kTick);
   parts.arm.silent = true;
   EXPECT_EQ(hand.step(command_at(1)).time, first + 2 * kTick);
-  EXPECT_EQ(hand.step(command_at(1)).base.xyz.z(), 0);  // where it was measured last
+  EXPECT_EQ(hand.step(command_at(1)).mount.xyz.z(), 0);  // where it was measured last
 }
 
 TEST(AssembledHand, ASilentPartIsNamed) {
@@ -145,7 +145,7 @@ TEST(AssembledHand, AtFirstItWaitsForEveryPart) {
   parts.arm.silent = true;
   parts.arm.on_read = [&] { parts.arm.silent = parts.arm.reads < 4; };
   AssembledHand hand(parts.fingers, &parts.arm, {});
-  EXPECT_EQ(hand.step(command_at(0.3)).base.xyz.z(), 0.3);
+  EXPECT_EQ(hand.step(command_at(0.3)).mount.xyz.z(), 0.3);
   EXPECT_EQ(parts.steps, 4);
 
   Parts mute;

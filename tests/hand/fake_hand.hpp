@@ -21,7 +21,7 @@ class FakeHand : public hand::Hand {
   hand::HandReading step(const hand::HandCommand& command) override {
     hand::HandReading reading = resting_reading(model_);
     reading.time = ++ticks_ * hand::kTick;
-    reading.base = command.base;
+    reading.mount = command.mount;
     reading.joints = hand::joints_in_free_flexion(model_, command.positions);
     if (script_) script_(reading);
     ripple(reading);
@@ -33,7 +33,7 @@ class FakeHand : public hand::Hand {
     const double ripple = ticks_ % 2 == 0 ? 1e-12 : 0;
     reading.joints[0] += ripple;
     reading.torques[0] += ripple;
-    reading.base_force.x() += ripple;
+    reading.mount_force.x() += ripple;
     for (auto& contacts : reading.contacts) {
       for (auto& contact : contacts) contact.p.x() += ripple;
     }

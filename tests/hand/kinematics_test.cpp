@@ -9,7 +9,7 @@
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/hand.hpp"
-#include "palpate/hand/nearest_base.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/hand/tip_forces.hpp"
 
@@ -92,17 +92,17 @@ TEST(Kinematics, PerturbedLinksAreDisplacedByTheStatedAmount) {
   EXPECT_NEAR(std::sqrt(sum / trials), 0.002, 0.0001);
 }
 
-TEST(BasePosition, PoseTurnsByYawThenPitchThenRoll) {
-  BasePosition base;
-  base.xyz = {1, 2, 3};
-  base.ypr = {M_PI / 2, 0, M_PI / 2};
-  const Eigen::Vector3d p = base.pose() * Eigen::Vector3d(0, 1, 0);
+TEST(MountPosition, PoseTurnsByYawThenPitchThenRoll) {
+  MountPosition mount;
+  mount.xyz = {1, 2, 3};
+  mount.ypr = {M_PI / 2, 0, M_PI / 2};
+  const Eigen::Vector3d p = mount.pose() * Eigen::Vector3d(0, 1, 0);
   EXPECT_TRUE(p.isApprox(Eigen::Vector3d(1, 2, 4), 1e-12));
 }
 
-TEST(BasePosition, BetweenTwoGoesFromOneToTheOther) {
-  const BasePosition a{{1, 2, 3}, {0, 0.5, 0}}, b{{2, 2, 1}, {1, 0.5, -2}};
-  const BasePosition quarter = between(a, b, 0.25);
+TEST(MountPosition, BetweenTwoGoesFromOneToTheOther) {
+  const MountPosition a{{1, 2, 3}, {0, 0.5, 0}}, b{{2, 2, 1}, {1, 0.5, -2}};
+  const MountPosition quarter = between(a, b, 0.25);
   EXPECT_TRUE(quarter.xyz.isApprox(Eigen::Vector3d(1.25, 2, 2.5), 1e-12));
   EXPECT_TRUE(quarter.ypr.isApprox(Eigen::Vector3d(0.25, 0.5, -0.5), 1e-12));
 }
@@ -121,34 +121,34 @@ TEST(TouchingFingers, AreThoseWithAnyContact) {
   EXPECT_EQ(touching_fingers(HandReading()), 0);
 }
 
-TEST(BasePosition, IsFoundAgainFromItsPoseAndOneNearIt) {
+TEST(MountPosition, IsFoundAgainFromItsPoseAndOneNearIt) {
   RandomStream rng(3);
   for (int i = 0; i < 2000; ++i) {
-    BasePosition base, near;
+    MountPosition mount, near;
     for (int k = 0; k < 3; ++k) {
-      base.ypr[k] = rng.uniform(-9, 9);
-      near.ypr[k] = base.ypr[k] + rng.uniform(-0.3, 0.3);
+      mount.ypr[k] = rng.uniform(-9, 9);
+      near.ypr[k] = mount.ypr[k] + rng.uniform(-0.3, 0.3);
     }
-    const BasePosition found = nearest_base(base.pose(), near);
-    EXPECT_TRUE(found.pose().isApprox(base.pose(), 1e-9));
-    if (std::abs(std::cos(base.ypr[1])) > 0.5) {
-      EXPECT_LT((found.ypr - base.ypr).norm(), 1e-9);
+    const MountPosition found = nearest_mount(mount.pose(), near);
+    EXPECT_TRUE(found.pose().isApprox(mount.pose(), 1e-9));
+    if (std::abs(std::cos(mount.ypr[1])) > 0.5) {
+      EXPECT_LT((found.ypr - mount.ypr).norm(), 1e-9);
     }
-    base.ypr[1] = M_PI / 2;
-    const BasePosition up = nearest_base(base.pose(), base);
-    EXPECT_LT((up.ypr - base.ypr).norm(), 1e-6);
+    mount.ypr[1] = M_PI / 2;
+    const MountPosition up = nearest_mount(mount.pose(), mount);
+    EXPECT_LT((up.ypr - mount.ypr).norm(), 1e-6);
   }
 }
 
-TEST(BasePosition, IsFoundAgainFromItsPose) {
+TEST(MountPosition, IsFoundAgainFromItsPose) {
   RandomStream random(8);
   for (int trial = 0; trial < 50; ++trial) {
-    BasePosition base;
-    base.xyz = random.normal3();
-    base.ypr = {random.uniform(-3, 3), random.uniform(-1.5, 1.5), random.uniform(-3, 3)};
-    const BasePosition found = BasePosition::at(base.pose());
-    EXPECT_LT((found.xyz - base.xyz).norm(), 1e-12);
-    EXPECT_LT((found.ypr - base.ypr).norm(), 1e-9);
+    MountPosition mount;
+    mount.xyz = random.normal3();
+    mount.ypr = {random.uniform(-3, 3), random.uniform(-1.5, 1.5), random.uniform(-3, 3)};
+    const MountPosition found = MountPosition::at(mount.pose());
+    EXPECT_LT((found.xyz - mount.xyz).norm(), 1e-12);
+    EXPECT_LT((found.ypr - mount.ypr).norm(), 1e-9);
   }
 }
 

@@ -140,7 +140,7 @@ TEST(ClearWay, IsAllOfAWayThatMeetsNothing) {
 
 ProbingFinger turned_ball(double yaw) {
   ProbingFinger finger = kBall;
-  finger.R_world_base = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  finger.R_world_mount = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   return finger;
 }
 

@@ -42,7 +42,7 @@ inline Eigen::Isometry3d at(double x, double y, double z) {
 inline Waypoint open_hand(double x, double y, double z) {
   Waypoint waypoint;
   waypoint.joints.setZero(hand::kShadowJoints);
-  waypoint.base.xyz << x, y, z;
+  waypoint.mount.xyz << x, y, z;
   return waypoint;
 }
 
@@ -51,7 +51,7 @@ inline double& joint(Waypoint& waypoint, std::string_view name) {
 }
 
 inline bool is_free(simulation::CollisionScene& scene, const hand::HandCommand& command) {
-  return !scene.deepest_collision(command.base,
+  return !scene.deepest_collision(command.mount,
                                   hand::joints_in_free_flexion(scene.hand(), command.positions));
 }
 

@@ -114,8 +114,8 @@ TEST(Plan, WaypointsThatDifferByRoundingAreThePlaceWhereItIsAlready) {
   joint(waypoints[0], "FFJ2") = 0.3;
   joint(waypoints[1], "FFJ2") = 0.2, joint(waypoints[1], "FFJ1") = 0.1;  // 0.1 + 0.2 is not 0.3
   waypoints[2] = waypoints[3] = waypoints[4] = waypoints[1];
-  waypoints[3].base.xyz.x() = 1e-10;
-  waypoints[4].base.xyz.x() = 0.1;
+  waypoints[3].mount.xyz.x() = 1e-10;
+  waypoints[4].mount.xyz.x() = 0.1;
   ASSERT_NE(coordinates_of(command_of(waypoints[0], drawn_hand())),
             coordinates_of(command_of(waypoints[1], drawn_hand())));
   const auto still = plan({waypoints[0], waypoints[1]}, scene, {}, kSeed);
@@ -151,7 +151,7 @@ TEST(Plan, FingersGoAroundEachOther) {
 TEST(Plan, KeepsAHeldObjectOffTheTable) {
   simulation::CollisionScene scene(plate(), drawn_hand());
   const Waypoint high = open_hand(0, 0, 0.3), low = open_hand(0.2, 0, 0.05);
-  const Eigen::Isometry3d T_world_palm = scene.palm_pose(high.base, high.joints);
+  const Eigen::Isometry3d T_world_palm = scene.palm_pose(high.mount, high.joints);
   scene.hold(T_world_palm.inverse() * at(0, 0, 0.2));
   const auto result = plan({high, low}, scene, {}, kSeed);
   ASSERT_EQ(result.status, PlanStatus::invalid);

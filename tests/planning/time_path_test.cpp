@@ -71,7 +71,7 @@ TEST(TimePath, StaysWithinEveryLimit) {
     MotionLimits limits;
     limits.joint_speed = random.uniform(0.2, 4);
     limits.joint_acceleration = random.uniform(1, 20);
-    limits.base_speed = random.uniform(0.05, 1);
+    limits.mount_speed = random.uniform(0.05, 1);
     const auto samples = time_path(rounded(corners, cuts, kMetric), limits, kMetric);
     EXPECT_LT((samples.front() - corners.front()).norm(), 1e-12);
     EXPECT_LT((samples.back() - corners.back()).norm(), 1e-9);

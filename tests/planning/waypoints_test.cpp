@@ -30,24 +30,24 @@ TEST(Waypoints, ColumnsAreFoundByTheirNames) {
   const auto file = parse_waypoints(names + "\n1,2" + row(0).substr(3) + "\n\n" + row(0) + "\n",
                                     "q.csv", {}, hand::shadow_hand());
   ASSERT_EQ(file.waypoints.size(), 2U);
-  EXPECT_FALSE(file.has_base);
+  EXPECT_FALSE(file.has_mount);
   EXPECT_EQ(file.waypoints[0].joints[hand::shadow_hand().joint("WRJ1")], 1);
   EXPECT_EQ(file.waypoints[0].joints[hand::shadow_hand().joint("WRJ2")], 2);
 }
 
-TEST(Waypoints, BaseIsReadOrGiven) {
+TEST(Waypoints, MountIsReadOrGiven) {
   const std::string joints = row(0);
   const auto wide = parse_waypoints(
       "x,y,z,yaw,pitch,roll," + header() + "\n1,2,3,4,5,6," + joints + "\n1,2,3,4,5,6," + joints,
       "q.csv", {}, hand::shadow_hand());
-  EXPECT_TRUE(wide.has_base);
-  EXPECT_EQ(wide.waypoints[0].base.xyz, Eigen::Vector3d(1, 2, 3));
-  EXPECT_EQ(wide.waypoints[1].base.ypr, Eigen::Vector3d(4, 5, 6));
-  hand::BasePosition base;
-  base.xyz.z() = 0.4;
-  const auto narrow =
-      parse_waypoints(header() + "\n" + joints + "\n" + joints, "q.csv", base, hand::shadow_hand());
-  EXPECT_EQ(narrow.waypoints[1].base.xyz.z(), 0.4);
+  EXPECT_TRUE(wide.has_mount);
+  EXPECT_EQ(wide.waypoints[0].mount.xyz, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(wide.waypoints[1].mount.ypr, Eigen::Vector3d(4, 5, 6));
+  hand::MountPosition mount;
+  mount.xyz.z() = 0.4;
+  const auto narrow = parse_waypoints(header() + "\n" + joints + "\n" + joints, "q.csv", mount,
+                                      hand::shadow_hand());
+  EXPECT_EQ(narrow.waypoints[1].mount.xyz.z(), 0.4);
 }
 
 TEST(Waypoints, TheTimesOfAPlannedPathAreLeftOut) {
@@ -89,7 +89,7 @@ TEST(Faults, NameTheWaypointTheJointAndTheValue) {
   joint(waypoints[1], "FFJ3") = 2.5;
   joint(waypoints[2], "THJ4") = std::numeric_limits<double>::quiet_NaN();
   joint(waypoints[3], "MFJ1") = 0.5, joint(waypoints[3], "MFJ2") = 0.2;
-  waypoints[4].base.xyz.x() = 3;
+  waypoints[4].mount.xyz.x() = 3;
   const auto faults = find_invalid_waypoints(waypoints, scene);
   ASSERT_EQ(faults.size(), 4U);
   const std::vector<std::pair<std::string, std::string>> words = {{"FFJ3 = 2.5 rad", "1.571"},

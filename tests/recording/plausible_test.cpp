@@ -40,7 +40,7 @@ TEST(PlausibleRecordingTest, WhatCannotBeIsRefusedThoughItIsFinite) {
       [](Recording& r) { some_contacts(r)[0].f.x() = 1e200; },
       [](Recording& r) { some_contacts(r)[0].p.y() = -1e9; },
       [](Recording& r) { some_contacts(r)[0].n *= 2; },
-      [](Recording& r) { r.frames[4].reading.base_force.z() = 1e200; },
+      [](Recording& r) { r.frames[4].reading.mount_force.z() = 1e200; },
       [](Recording& r) { r.frames[4].reading.joints[2] = 1e200; },
       [](Recording& r) { r.frames[4].reading.time = -1e300; },
       [](Recording& r) { r.frames[4].truth->T_world_object.linear() *= 3; },

@@ -158,7 +158,7 @@ TEST(ReplayPageTest, PlacesLinksAndContactsInTheWorld) {
   const auto frames = data_of(page_of(recording))["frames"];
   const hand::HandReading& reading = recording.frames[0].reading;
   const auto T_world_distal =
-      reading.base.pose() * hand::forward_kinematics(recording.header.hand, reading.joints)[2];
+      reading.mount.pose() * hand::forward_kinematics(recording.header.hand, reading.joints)[2];
   const auto links = decoded<float>(frames["link_poses"]);
   const auto contacts = decoded<float>(frames["contacts"]);
   const auto counts = decoded<std::uint32_t>(frames["contact_counts"]);

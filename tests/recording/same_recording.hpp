@@ -146,9 +146,9 @@ inline void expect_same_reading(const hand::HandReading& a, const hand::HandRead
   EXPECT_EQ(a.time, b.time);
   EXPECT_EQ(a.joints, b.joints);
   EXPECT_EQ(a.torques, b.torques);
-  EXPECT_EQ(a.base.xyz, b.base.xyz);
-  EXPECT_EQ(a.base.ypr, b.base.ypr);
-  EXPECT_EQ(a.base_force, b.base_force);
+  EXPECT_EQ(a.mount.xyz, b.mount.xyz);
+  EXPECT_EQ(a.mount.ypr, b.mount.ypr);
+  EXPECT_EQ(a.mount_force, b.mount_force);
   ASSERT_EQ(a.contacts.size(), b.contacts.size());
   for (std::size_t finger = 0; finger < a.contacts.size(); ++finger) {
     ASSERT_EQ(a.contacts[finger].size(), b.contacts[finger].size());
@@ -163,8 +163,8 @@ inline void expect_same_reading(const hand::HandReading& a, const hand::HandRead
 inline void expect_same_frame(const Frame& a, const Frame& b) {
   expect_same_reading(a.reading, b.reading);
   EXPECT_EQ(a.command.positions, b.command.positions);
-  EXPECT_EQ(a.command.base.xyz, b.command.base.xyz);
-  EXPECT_EQ(a.command.base.ypr, b.command.base.ypr);
+  EXPECT_EQ(a.command.mount.xyz, b.command.mount.xyz);
+  EXPECT_EQ(a.command.mount.ypr, b.command.mount.ypr);
   ASSERT_EQ(a.truth.has_value(), b.truth.has_value());
   if (!a.truth) return;
   expect_same(a.truth->T_world_object, b.truth->T_world_object);

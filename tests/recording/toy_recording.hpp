@@ -79,15 +79,15 @@ inline Frame toy_frame(const hand::Description& hand, int tick, RandomStream& ra
   frame.reading.time = tick * hand::kTick;
   for (auto& joint : frame.reading.joints) joint = 0.1 * random.normal();
   for (auto& torque : frame.reading.torques) torque = random.normal();
-  frame.reading.base = {{0.001 * tick, 0, 0.2}, random.normal3()};
-  frame.reading.base_force = random.normal3();
+  frame.reading.mount = {{0.001 * tick, 0, 0.2}, random.normal3()};
+  frame.reading.mount_force = random.normal3();
   for (auto& finger : frame.reading.contacts) {
     for (std::size_t i = random.index(4); i > 0; --i) {
       finger.push_back({0.01 * random.normal3(), random.unit_vector(), random.normal3()});
     }
   }
   for (auto& position : frame.command.positions) position = random.normal();
-  frame.command.base = {random.normal3(), random.normal3()};
+  frame.command.mount = {random.normal3(), random.normal3()};
   if (tick % 7 != 3) {
     frame.truth.emplace();
     frame.truth->T_world_object = Eigen::Translation3d(0.001 * tick, 0, 0.0875) *

@@ -63,8 +63,8 @@ TEST_F(StreamTest, AReadingComesBack) {
   EXPECT_EQ(stream_.start(), 7 * kSecond);
   EXPECT_TRUE(read->joints == reading_.joints);
   EXPECT_TRUE(read->torques == reading_.torques);
-  EXPECT_TRUE(read->base_force.isApprox(reading_.base_force, 1e-12));
-  EXPECT_TRUE(read->base.pose().isApprox(reading_.base.pose(), 1e-9));
+  EXPECT_TRUE(read->mount_force.isApprox(reading_.mount_force, 1e-12));
+  EXPECT_TRUE(read->mount.pose().isApprox(reading_.mount.pose(), 1e-9));
   for (std::size_t i = 0; i < hand_.fingers.size(); ++i) {
     ASSERT_EQ(read->contacts[i].size(), reading_.contacts[i].size());
   }
@@ -215,7 +215,7 @@ TEST_F(StreamTest, AMountMayStandStillOnAnArm) {
   const auto joints = messages_of(reading_, hand_, interface_, 1000 * kSecond).joints;
   const auto reading = send(interface_.joint_states, joints);
   ASSERT_TRUE(reading);
-  EXPECT_TRUE(reading->base.xyz.isApprox(Eigen::Vector3d(0.1, 0, 0.5)));
+  EXPECT_TRUE(reading->mount.xyz.isApprox(Eigen::Vector3d(0.1, 0, 0.5)));
   EXPECT_TRUE(reading->contacts[0].empty());
 }
 

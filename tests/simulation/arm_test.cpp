@@ -58,7 +58,7 @@ WorldOptions with_arm(const std::string& name) {
 hand::HandCommand waiting(const hand::Description& hand) {
   hand::HandCommand command;
   command.positions.setZero(hand.actuator_count());
-  command.base.xyz = {0, 0, 0.34};
+  command.mount.xyz = {0, 0, 0.34};
   return command;
 }
 
@@ -162,12 +162,12 @@ TEST(Arm, WhatLiesBelowTheTableOrInItselfIsACollision) {
 TEST(ArmFollower, KeepsLimitsOfSpeedAndAcceleration) {
   const hand::ArmDescription arm = arm_named(example_arm());
   hand::ArmFollower follower(arm);
-  hand::BasePosition base{{0, 0, 0.3}, {0, 0, 0}};
-  hand::ArmVector before = follower.reset(base.pose());
+  hand::MountPosition mount{{0, 0, 0.3}, {0, 0, 0}};
+  hand::ArmVector before = follower.reset(mount.pose());
   hand::ArmVector speeds = hand::ArmVector::Zero(6);
-  base.xyz.x() += 0.1;  // at once
+  mount.xyz.x() += 0.1;  // at once
   for (int i = 0; i < 200; ++i) {
-    const hand::ArmVector joints = follower.follow(base.pose());
+    const hand::ArmVector joints = follower.follow(mount.pose());
     for (Eigen::Index k = 0; k < 6; ++k) {
       const hand::ArmJoint& joint = arm.joints[static_cast<std::size_t>(k)];
       const double speed = (joints[k] - before[k]) / hand::kTick;
@@ -177,7 +177,7 @@ TEST(ArmFollower, KeepsLimitsOfSpeedAndAcceleration) {
     }
     before = joints;
   }
-  EXPECT_LT((hand::mount_pose(arm, before).matrix() - base.pose().matrix()).norm(), 1e-3);
+  EXPECT_LT((hand::mount_pose(arm, before).matrix() - mount.pose().matrix()).norm(), 1e-3);
 }
 
 TEST(ArmFollower, ComesToRestWithinTheBrakingDistance) {
@@ -206,9 +206,9 @@ TEST(ArmFollower, ComesToRestWithinTheBrakingDistance) {
 
 TEST(ArmFollower, JudgesAWayBeforeItBegins) {
   hand::ArmFollower follower(arm_named(example_arm()));
-  const hand::BasePosition start{{0, 0, 0.3}, {0, 0, 0}};
+  const hand::MountPosition start{{0, 0, 0.3}, {0, 0, 0}};
   follower.reset(start.pose());
-  std::vector<hand::BasePosition> slow, fast, far;
+  std::vector<hand::MountPosition> slow, fast, far;
   for (int i = 1; i <= 100; ++i) {
     const double share = 0.01 * i;
     const double eased = 0.1 * share * share * (3 - 2 * share);
@@ -250,7 +250,7 @@ TEST(ArmFollower, AWayThatLeavesACollisionMayNotEnterAnother) {
     caught.follow(Eigen::Isometry3d(Eigen::Translation3d(0, 0, std::max(0.3, 0.35 - 0.0005 * i))));
   }
   ASSERT_NE(hand::arm_collision(arm, caught.joints()), "");
-  std::vector<hand::BasePosition> way;
+  std::vector<hand::MountPosition> way;
   for (int i = 1; i <= 100; ++i) way.push_back({{0, 0, 0.3 + 0.0005 * i}, {0, 0, 0}});
   EXPECT_EQ(caught.check_path(way).obstacle, "") << "leaving is allowed";
   for (int i = 1; i <= 100; ++i) way.push_back({{0, 0, 0.35 - 0.0005 * i}, {0, 0, 0}});
@@ -290,21 +290,21 @@ TEST(World, AnArmCarriesTheHandToWhereItIsCommanded) {
   hand::HandCommand command = waiting(world.hand_model());
   world.reset({}, command);
   hand::HandReading reading = world.hand().step(command);
-  EXPECT_LT((reading.base.xyz - command.base.xyz).norm(), 1e-3);
-  std::vector<hand::BasePosition> way;
+  EXPECT_LT((reading.mount.xyz - command.mount.xyz).norm(), 1e-3);
+  std::vector<hand::MountPosition> way;
   for (int i = 1; i <= 100; ++i) {
-    way.push_back({command.base.xyz - Eigen::Vector3d(0, 0, 0.0005 * i),
-                   command.base.ypr + Eigen::Vector3d(0.001 * i, 0, 0)});
+    way.push_back({command.mount.xyz - Eigen::Vector3d(0, 0, 0.0005 * i),
+                   command.mount.ypr + Eigen::Vector3d(0.001 * i, 0, 0)});
   }
   ASSERT_EQ(world.hand().check_path(way).obstacle, "");
-  for (const auto& base : way) {
-    command.base = base;
+  for (const auto& mount : way) {
+    command.mount = mount;
     reading = world.hand().step(command);
   }
   for (int i = 0; i < 100; ++i) reading = world.hand().step(command);
-  EXPECT_LT((reading.base.xyz - command.base.xyz).norm(), 1e-3);
-  EXPECT_LT((reading.base.ypr - command.base.ypr).norm(), 2e-3);
-  EXPECT_LT(reading.base_force.norm(), 0.5) << "the hand hangs free";
+  EXPECT_LT((reading.mount.xyz - command.mount.xyz).norm(), 1e-3);
+  EXPECT_LT((reading.mount.ypr - command.mount.ypr).norm(), 2e-3);
+  EXPECT_LT(reading.mount_force.norm(), 0.5) << "the hand hangs free";
 }
 
 TEST(World, AnArmSensesWhatTheHandStandsOn) {
@@ -312,11 +312,11 @@ TEST(World, AnArmSensesWhatTheHandStandsOn) {
   hand::HandCommand command = waiting(world.hand_model());
   world.reset({.xy = {0.4, 0.4}}, command);
   hand::HandReading reading;
-  for (int i = 0; i < 400 && reading.base_force.z() > -5; ++i) {
-    command.base.xyz.z() -= 0.001;
+  for (int i = 0; i < 400 && reading.mount_force.z() > -5; ++i) {
+    command.mount.xyz.z() -= 0.001;
     reading = world.hand().step(command);
   }
-  EXPECT_LT(reading.base_force.z(), -5) << "the flange presses the hand onto the table";
+  EXPECT_LT(reading.mount_force.z(), -5) << "the flange presses the hand onto the table";
 }
 
 }  // namespace

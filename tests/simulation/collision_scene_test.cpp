@@ -21,7 +21,7 @@ const hand::Description& drawn_hand() {
 
 std::optional<planning::CollidingPair> collision(CollisionScene& scene,
                                                  const hand::HandCommand& command) {
-  return scene.deepest_collision(command.base,
+  return scene.deepest_collision(command.mount,
                                  hand::joints_in_free_flexion(drawn_hand(), command.positions));
 }
 
@@ -67,7 +67,7 @@ TEST(CollisionScene, HeldObjectMovesWithThePalmAndMeetsOnlyTheTable) {
   const hand::HandCommand high = open_hand(0.3), low = open_hand(0.12);
   const Eigen::Isometry3d T_world_object(Eigen::Translation3d(0, 0, 0.2));
   const Eigen::Isometry3d T_world_palm =
-      scene.palm_pose(high.base, hand::joints_in_free_flexion(drawn_hand(), high.positions));
+      scene.palm_pose(high.mount, hand::joints_in_free_flexion(drawn_hand(), high.positions));
   scene.hold(T_world_palm.inverse() * T_world_object);
   EXPECT_FALSE(collision(scene, high));
   EXPECT_FALSE(collision(scene, open_hand(0.135)));
@@ -99,11 +99,11 @@ TEST(CollisionScene, NothingToPlace) {
 /// The open hand above the table, its fingers lowest.
 hand::HandCommand pointing_down(double height) {
   hand::HandCommand command = open_hand(height);
-  command.base.ypr[1] = 1.2;
+  command.mount.ypr[1] = 1.2;
   return command;
 }
 
-/// Height of the base, m, at which the hand meets the table, coming down.
+/// Height of the mount, m, at which the hand meets the table, coming down.
 double touch_height(CollisionScene& scene) {
   for (double height = 0.5; height > -0.3; height -= 0.0005) {
     const auto pair = collision(scene, pointing_down(height));
@@ -117,7 +117,7 @@ TEST(CollisionScene, IsBuiltFromTheBelievedHand) {
   const hand::Description& drawn = drawn_hand();
   hand::Description lowered = drawn;
   const auto command = pointing_down(0);
-  const auto T_base_link = hand::forward_kinematics(
+  const auto T_mount_link = hand::forward_kinematics(
       drawn, hand::joints_in_free_flexion(drawn_hand(), command.positions));
   for (auto& link : lowered.links) {
     if (link.parent != -1) continue;
@@ -125,7 +125,7 @@ TEST(CollisionScene, IsBuiltFromTheBelievedHand) {
       if (child.parent < 0 || &lowered.links[static_cast<std::size_t>(child.parent)] != &link)
         continue;
       const Eigen::Matrix3d R_world_parent =
-          (command.base.pose() * T_base_link[static_cast<std::size_t>(child.parent)]).linear();
+          (command.mount.pose() * T_mount_link[static_cast<std::size_t>(child.parent)]).linear();
       child.T_parent_link.translation() -= kLower * R_world_parent.row(2).transpose();
     }
   }

@@ -79,8 +79,8 @@ TEST(RealisticWorld, TheLoadIsReadWithItsBias) {
   World biased(object, options, 5);
   exact.reset({}, open_hand(0.4));
   biased.reset({}, open_hand(0.4));
-  const Eigen::Vector3d apart =
-      biased.hand().step(open_hand(0.4)).base_force - exact.hand().step(open_hand(0.4)).base_force;
+  const Eigen::Vector3d apart = biased.hand().step(open_hand(0.4)).mount_force -
+                                exact.hand().step(open_hand(0.4)).mount_force;
   EXPECT_GT(apart.norm(), 0.02);
   EXPECT_LT(apart.norm(), 1.2);
 }
@@ -93,7 +93,7 @@ TEST(RealisticWorld, TheArmDoesNotKnowHowHighTheTableIs) {
   world.reset({}, open_hand(0.4));
   hand::HandReading reading;
   for (int i = 0; i < 100; ++i) reading = world.hand().step(open_hand(0.4));
-  EXPECT_NEAR(reading.base.xyz.z(), 0.4, 1e-3) << "it reads what it was given";
+  EXPECT_NEAR(reading.mount.xyz.z(), 0.4, 1e-3) << "it reads what it was given";
 }
 
 TEST(RealisticWorld, ReadingsOfTheMountAreLate) {
@@ -107,9 +107,9 @@ TEST(RealisticWorld, ReadingsOfTheMountAreLate) {
   hand::HandCommand command = open_hand(0.4);
   std::vector<double> now, then;
   for (int i = 0; i < 20; ++i) {
-    command.base.xyz.x() += 0.001;
-    now.push_back(prompt.hand().step(command).base.xyz.x());
-    then.push_back(late.hand().step(command).base.xyz.x());
+    command.mount.xyz.x() += 0.001;
+    now.push_back(prompt.hand().step(command).mount.xyz.x());
+    then.push_back(late.hand().step(command).mount.xyz.x());
   }
   EXPECT_EQ(then[19], now[17]);
   EXPECT_NE(then[19], now[19]);

@@ -148,7 +148,7 @@ TEST(HandAlone, SpringsAreLeftOutAndReported) {
 
 /// Names that the simulation once gave to what it adds.
 TEST(HandAlone, AFileMayUseAnyName) {
-  std::string text = replaced(kHandMjcf, "name=\"index_1\"", "name=\"base_yaw\"");
+  std::string text = replaced(kHandMjcf, "name=\"index_1\"", "name=\"mount_yaw\"");
   text = replaced(text, "name=\"index_2\"", "name=\"joint_2\"");
   text = replaced(text, "<joint name=\"ring_1\"", "<joint");
   text = replaced(text, "<geom type=\"box\"", "<geom name=\"tip_index\" type=\"box\"");

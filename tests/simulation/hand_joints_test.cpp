@@ -92,7 +92,7 @@ hand::HandReading press_with_bent_fingers(World& world, double j0, double lead) 
   world.reset({}, command);
   hand::HandReading reading;
   for (int tick = 0; tick < 150; ++tick) {
-    command.base.xyz.z() = std::max(0.085, 0.12 - tick * 0.0005);
+    command.mount.xyz.z() = std::max(0.085, 0.12 - tick * 0.0005);
     reading = world.hand().step(command);
   }
   for (int tick = 0; tick < 150; ++tick) {

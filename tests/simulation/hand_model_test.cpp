@@ -64,24 +64,24 @@ TEST(Description, MovesAsTheSimulatorMovesIt) {
     hand::JointVector joints(hand::kShadowJoints);
     for (int i = 0; i < hand::kShadowJoints; ++i) joints[i] = random.uniform(-1.5, 1.5);
     oracle.set(joints);
-    const auto T_base_link = hand::forward_kinematics(hand, joints);
+    const auto T_mount_link = hand::forward_kinematics(hand, joints);
     const auto palm = static_cast<std::size_t>(hand.palm);
     for (std::size_t i = 0; i < hand.links.size(); ++i) {
       const Eigen::Isometry3d expected =
           oracle.pose("palm").inverse() * oracle.pose(hand.links[i].name);
-      const Eigen::Isometry3d actual = T_base_link[palm].inverse() * T_base_link[i];
+      const Eigen::Isometry3d actual = T_mount_link[palm].inverse() * T_mount_link[i];
       EXPECT_LT((expected.matrix() - actual.matrix()).cwiseAbs().maxCoeff(), 1e-9)
           << hand.links[i].name;
     }
   }
 }
 
-TEST(Description, GraspsAtTheBaseOriginPalmDown) {
+TEST(Description, GraspsAtTheMountOriginPalmDown) {
   const hand::Description hand = shadow();
-  const Eigen::Isometry3d T_base_palm = hand::forward_kinematics(
+  const Eigen::Isometry3d T_mount_palm = hand::forward_kinematics(
       hand, hand::JointVector::Zero(hand::kShadowJoints))[static_cast<std::size_t>(hand.palm)];
-  EXPECT_LT((T_base_palm * Eigen::Vector3d(0.005, -0.045, 0.08)).norm(), 1e-12);
-  const Eigen::Matrix3d& R = T_base_palm.linear();
+  EXPECT_LT((T_mount_palm * Eigen::Vector3d(0.005, -0.045, 0.08)).norm(), 1e-12);
+  const Eigen::Matrix3d& R = T_mount_palm.linear();
   EXPECT_LT((R.col(0) - Eigen::Vector3d::UnitY()).norm(), 1e-12);
   EXPECT_LT((R.col(1) - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
   EXPECT_LT((R.col(2) - Eigen::Vector3d::UnitX()).norm(), 1e-12);

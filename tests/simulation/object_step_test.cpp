@@ -127,13 +127,13 @@ TEST(ObjectStep, TipContactsAreThoseOfTheTrueSurface) {
 TEST(ObjectStep, TipsAreWhereTheHandsModelHasThem) {
   const ObjectStep& step = held_step();
   const hand::Description& hand = recorded_grasp().world.hand_model();
-  const auto T_base_link = hand::forward_kinematics(hand, step.joints);
+  const auto T_mount_link = hand::forward_kinematics(hand, step.joints);
   for (const ObjectContact& contact : step.contacts) {
     if (contact.finger < 0) continue;
     const auto& tip = hand.fingers[static_cast<std::size_t>(contact.finger)].tip;
     const auto link =
         static_cast<std::size_t>(hand.fingers[static_cast<std::size_t>(contact.finger)].link);
-    const Eigen::Isometry3d T = step.T_world_base * T_base_link[link];
+    const Eigen::Isometry3d T = step.T_world_mount * T_mount_link[link];
     EXPECT_EQ(contact.link, static_cast<int>(link));
     EXPECT_LT((T * tip.a - contact.capsule.a).norm(), 1e-9);
     EXPECT_LT((T * tip.b - contact.capsule.b).norm(), 1e-9);
@@ -178,7 +178,7 @@ TEST(ObjectStep, TheHeldObjectIsInForceClosureAndItsWeightCanBeBalanced) {
   EXPECT_LE(cost(balance.contact_wrenches), 1.05 * cost(solver));
 }
 
-/// The simulator's own Jacobian of the maker's hand, its palm where the base's model has it.
+/// The simulator's own Jacobian of the maker's hand, its palm where the mount's model has it.
 Eigen::MatrixXd simulators_jacobian(const hand::Description& hand, const hand::JointVector& joints,
                                     const grasping::GraspContacts& contacts) {
   const std::unique_ptr<mjModel, void (*)(mjModel*)> model(
@@ -193,18 +193,18 @@ Eigen::MatrixXd simulators_jacobian(const hand::Description& hand, const hand::J
   }
   mj_kinematics(model.get(), data.get());
   mj_comPos(model.get(), data.get());
-  const auto T_base_link = hand::forward_kinematics(hand, joints);
+  const auto T_mount_link = hand::forward_kinematics(hand, joints);
   Eigen::MatrixXd J(6 * static_cast<Eigen::Index>(contacts.size()), hand::kShadowJoints);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const int body = contacts[i].link + 1;
-    const Eigen::Isometry3d& T_base = T_base_link[static_cast<std::size_t>(contacts[i].link)];
+    const Eigen::Isometry3d& T_mount = T_mount_link[static_cast<std::size_t>(contacts[i].link)];
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R_own_link(data->xmat + 9 * body);
-    const Eigen::Vector3d p_link = T_base.inverse() * contacts[i].T_base_contact.translation();
+    const Eigen::Vector3d p_link = T_mount.inverse() * contacts[i].T_mount_contact.translation();
     const Eigen::Vector3d p_own = R_own_link * p_link + Eigen::Vector3d(data->xpos + 3 * body);
     std::vector<double> jacp(3 * static_cast<std::size_t>(model->nv)), jacr(jacp.size());
     mj_jac(model.get(), data.get(), jacp.data(), jacr.data(), p_own.data(), body);
-    const Eigen::Matrix3d R_contact_own =
-        contacts[i].T_base_contact.linear().transpose() * T_base.linear() * R_own_link.transpose();
+    const Eigen::Matrix3d R_contact_own = contacts[i].T_mount_contact.linear().transpose() *
+                                          T_mount.linear() * R_own_link.transpose();
     for (std::size_t k = 0; k < dofs.size(); ++k) {
       const auto column = static_cast<Eigen::Index>(k);
       const auto row = static_cast<Eigen::Index>(6 * i);
@@ -226,7 +226,7 @@ TEST(ObjectStep, HandJacobianIsTheSimulatorsInTheGrasp) {
   const hand::JointVector& joints = step.joints;
   grasping::GraspContacts contacts = grasp_contacts(step);
   for (auto& contact : contacts) {
-    contact.T_base_contact = step.T_world_base.inverse() * contact.T_base_contact;
+    contact.T_mount_contact = step.T_world_mount.inverse() * contact.T_mount_contact;
   }
   const Eigen::MatrixXd J = grasping::hand_jacobian(world.hand_model(), joints, contacts);
   const Eigen::MatrixXd expected = simulators_jacobian(world.hand_model(), joints, contacts);

@@ -27,7 +27,7 @@ DrawnState hovering() {
   DrawnState state;
   state.joints.setZero(hand::kShadowJoints);
   state.T_world_object.translation() << 0, 0, 0.03;
-  state.base.xyz << 0, 0, 0.2;
+  state.mount.xyz << 0, 0, 0.2;
   return state;
 }
 
@@ -84,14 +84,14 @@ TEST_F(Drawing, ShowsHowTheHandIsHeld) {
   }
   const Image bent = renderer->render(state);
   EXPECT_GT(different_pixels(open, bent), 50u);
-  state.base.ypr.z() = std::numbers::pi / 2;
+  state.mount.ypr.z() = std::numbers::pi / 2;
   EXPECT_GT(different_pixels(bent, renderer->render(state)), 50u);
 }
 
 TEST_F(Drawing, ShowsTheSameTwice) {
   const Image image = renderer->render(hovering());
   DrawnState elsewhere = hovering();
-  elsewhere.base.xyz.z() = 0.4;
+  elsewhere.mount.xyz.z() = 0.4;
   renderer->render(elsewhere);
   EXPECT_EQ(image.rgb, renderer->render(hovering()).rgb);
   EXPECT_EQ(image.rgb, Renderer(hand_, block(), kWidth, kHeight).render(hovering()).rgb);

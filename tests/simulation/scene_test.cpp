@@ -16,7 +16,7 @@
 namespace palpate::simulation {
 namespace {
 
-/// Least inertia (kg, kg m^2) of any motion of the base, with the hand that it carries.
+/// Least inertia (kg, kg m^2) of any motion of the mount, with the hand that it carries.
 double min_inertia(double pitch) {
   const geometry::KnownObject object = block();
   const geometry::MeshQuery mesh(object.mesh);
@@ -25,19 +25,19 @@ double min_inertia(double pitch) {
       compose_scene(load_hand("shadow"), believed_object(object), surface, without_noise());
   mjModel& model = *scene.model;
   const DataHandle data(mj_makeData(&model));
-  data->qpos[scene.base_positions[2]] = 0.5;
-  data->qpos[scene.base_positions[4]] = pitch;
+  data->qpos[scene.mount_positions[2]] = 0.5;
+  data->qpos[scene.mount_positions[4]] = pitch;
   mj_forward(&model, data.get());
   std::vector<double> full(static_cast<std::size_t>(model.nv * model.nv));
   mj_fullM(&model, data.get(), full.data());
   const Eigen::Map<Eigen::MatrixXd> inertia(full.data(), model.nv, model.nv);
-  const int first = model.jnt_dofadr[mj_name2id(&model, mjOBJ_JOINT, own_name("base_x").c_str())];
-  const Eigen::MatrixXd base = inertia.block(first, first, 6, 6);
-  return base.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff();
+  const int first = model.jnt_dofadr[mj_name2id(&model, mjOBJ_JOINT, own_name("mount_x").c_str())];
+  const Eigen::MatrixXd mount = inertia.block(first, first, 6, 6);
+  return mount.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff();
 }
 
-// Where yaw and roll turn about one axis, a base without inertia of its own has none left.
-TEST(Scene, TheBaseHasInertiaAtEveryPitch) {
+// Where yaw and roll turn about one axis, a mount without inertia of its own has none left.
+TEST(Scene, TheMountHasInertiaAtEveryPitch) {
   for (const double share : {0.0, 0.3, 0.5, 0.7}) {
     EXPECT_GT(min_inertia(share * std::numbers::pi), 1e-3) << share;
   }
@@ -58,7 +58,7 @@ TEST(Scene, ASecondObjectRestsOnTheTableAndIsSensed) {
   EXPECT_TRUE(scene.is_sensed(scene.second));
   EXPECT_FALSE(scene.stands_fast(scene.second));
   const DataHandle data(mj_makeData(scene.model.get()));
-  data->qpos[scene.base_positions[2]] = data->ctrl[scene.base_actuators[2]] = 0.5;
+  data->qpos[scene.mount_positions[2]] = data->ctrl[scene.base_actuators[2]] = 0.5;
   data->qpos[scene.object_position] = 0.3;
   data->qpos[scene.object_position + 2] = 0.3;
   mjtNum* const second = data->qpos + scene.second_position;

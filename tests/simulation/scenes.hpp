@@ -73,10 +73,10 @@ inline WorldOptions without_noise() {
   return options;
 }
 
-/// Open hand, palm down, its base at the given height (m).
+/// Open hand, palm down, its mount at the given height (m).
 inline hand::HandCommand open_hand(double z) {
   hand::HandCommand command = hand::resting_command();
-  command.base.xyz.z() = z;
+  command.mount.xyz.z() = z;
   return command;
 }
 

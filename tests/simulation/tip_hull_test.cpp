@@ -107,7 +107,7 @@ class TipHullInAScene : public testing::Test {
   /// Lowest point of the index's hull, in the world.
   Eigen::Vector3d lowest() const {
     const auto T =
-        base_.pose() *
+        mount_.pose() *
         hand::forward_kinematics(hand_, joints_)[static_cast<std::size_t>(hand_.fingers[0].link)];
     Eigen::Vector3d low = Eigen::Vector3d::Constant(1);
     for (const auto& p : hull_of(hand_).core) {
@@ -119,18 +119,18 @@ class TipHullInAScene : public testing::Test {
   hand::Description hand_ = describe_hand(write_hand("mimic.urdf", kHandUrdf), hulls()).hand;
   hand::JointVector joints_ =
       hand::joints_in_free_flexion(hand_, (hand::ActuatorVector(2) << 0.9, 0.2).finished());
-  hand::BasePosition base_{{0, 0, 0.3}, {0.3, 0.1, 0.2}};
+  hand::MountPosition mount_{{0, 0, 0.3}, {0.3, 0.1, 0.2}};
 };
 
 TEST_F(TipHullInAScene, ItMeetsTheTableWithItsRoundedCorners) {
   CollisionScene scene(hand_, {.allowed_depth = 0, .self = false});
-  base_.xyz.z() -= lowest().z() + 0.0006;
-  const auto pair = scene.deepest_collision(base_, joints_);
+  mount_.xyz.z() -= lowest().z() + 0.0006;
+  const auto pair = scene.deepest_collision(mount_, joints_);
   ASSERT_TRUE(pair);
   EXPECT_EQ(pair->first == "table" ? pair->second : pair->first, "finger_tip");
   EXPECT_NEAR(pair->depth, 0.0006, 1e-9);
-  base_.xyz.z() += 0.0007;
-  EXPECT_FALSE(scene.deepest_collision(base_, joints_));
+  mount_.xyz.z() += 0.0007;
+  EXPECT_FALSE(scene.deepest_collision(mount_, joints_));
 }
 
 TEST_F(TipHullInAScene, ItMeetsTheTrueSurfaceOfAnObject) {
@@ -141,12 +141,12 @@ TEST_F(TipHullInAScene, ItMeetsTheTrueSurfaceOfAnObject) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation() = lowest() + Eigen::Vector3d(0, 0, 0.0006 - top);
   scene.place(T);
-  const auto pair = scene.deepest_collision(base_, joints_);
+  const auto pair = scene.deepest_collision(mount_, joints_);
   ASSERT_TRUE(pair);
   EXPECT_NEAR(pair->depth, 0.0006, 1e-6);
   T.translation().z() -= 0.0007;
   scene.place(T);
-  EXPECT_FALSE(scene.deepest_collision(base_, joints_));
+  EXPECT_FALSE(scene.deepest_collision(mount_, joints_));
 }
 
 }  // namespace

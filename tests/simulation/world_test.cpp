@@ -30,7 +30,7 @@ void expect_same(const hand::HandReading& a, const hand::HandReading& b) {
   EXPECT_EQ(a.time, b.time);
   EXPECT_EQ(a.joints, b.joints);
   EXPECT_EQ(a.torques, b.torques);
-  EXPECT_EQ(a.base_force, b.base_force);
+  EXPECT_EQ(a.mount_force, b.mount_force);
   for (std::size_t i = 0; i < a.contacts.size(); ++i) {
     ASSERT_EQ(a.contacts[i].size(), b.contacts[i].size());
     for (std::size_t k = 0; k < a.contacts[i].size(); ++k) {
@@ -127,36 +127,36 @@ TEST(World, TheEmptyHandAtRestLoadsNoDrive) {
   world.reset({}, away);
   hand::HandReading reading;
   for (int tick = 0; tick < 100; ++tick) reading = world.hand().step(away);
-  EXPECT_LT(reading.base_force.norm(), 0.01);
+  EXPECT_LT(reading.mount_force.norm(), 0.01);
   EXPECT_LT(reading.torques.norm(), 0.01);
-  EXPECT_LT((reading.base.xyz - away.base.xyz).norm(), 1e-5);
+  EXPECT_LT((reading.mount.xyz - away.mount.xyz).norm(), 1e-5);
   EXPECT_EQ(contacts(reading), 0);
   EXPECT_DOUBLE_EQ(reading.time, 1.0);
 }
 
-TEST(World, TheBaseFollowsItsCommand) {
+TEST(World, TheMountFollowsItsCommand) {
   World world(block(), without_noise(), 1);
   hand::HandCommand command = open_hand(0.5);
   world.reset({}, command);
-  command.base.xyz << 0.05, -0.1, 0.45;
-  command.base.ypr << 0.3, -0.2, 0.5;
+  command.mount.xyz << 0.05, -0.1, 0.45;
+  command.mount.ypr << 0.3, -0.2, 0.5;
   hand::HandReading reading;
   for (int tick = 0; tick < 200; ++tick) reading = world.hand().step(command);
-  EXPECT_LT((reading.base.xyz - command.base.xyz).norm(), 1e-3);
-  EXPECT_LT((reading.base.ypr - command.base.ypr).norm(), 1e-2);
+  EXPECT_LT((reading.mount.xyz - command.mount.xyz).norm(), 1e-3);
+  EXPECT_LT((reading.mount.ypr - command.mount.ypr).norm(), 1e-2);
 }
 
 TEST(World, TheDrivesCarryWhatTheTipsPress) {
   World world(block(), without_noise(), 1);
   const hand::HandReading reading = press_block(world, 200);
-  const auto T_base_link = hand::forward_kinematics(world.hand_model(), reading.joints);
-  const Eigen::Isometry3d T_world_base = reading.base.pose();
+  const auto T_mount_link = hand::forward_kinematics(world.hand_model(), reading.joints);
+  const Eigen::Isometry3d T_world_mount = reading.mount.pose();
   const Eigen::Vector3d up = world.truth().T_world_object.linear().col(2);
   Eigen::Vector3d pressed = Eigen::Vector3d::Zero();
   ASSERT_GE(contacts(reading), 1);
   for (std::size_t i = 0; i < hand::kShadowFingers; ++i) {
     const auto link = static_cast<std::size_t>(world.hand_model().fingers[i].link);
-    const Eigen::Isometry3d T = T_world_base * T_base_link[link];
+    const Eigen::Isometry3d T = T_world_mount * T_mount_link[link];
     for (const hand::TipContact& contact : reading.contacts[i]) {
       EXPECT_LT(contact.f.dot(contact.n), 0);
       EXPECT_LT((T.linear() * contact.n - up).norm(), 1e-6);
@@ -165,7 +165,7 @@ TEST(World, TheDrivesCarryWhatTheTipsPress) {
     }
   }
   EXPECT_LT(pressed.z(), -1.0);
-  EXPECT_LT((pressed - reading.base_force).norm(), 0.05 * pressed.norm());
+  EXPECT_LT((pressed - reading.mount_force).norm(), 0.05 * pressed.norm());
 }
 
 TEST(World, TipsTouchTheTrueSurface) {
@@ -173,14 +173,14 @@ TEST(World, TipsTouchTheTrueSurface) {
   const geometry::MeshQuery surface(object.mesh);
   World world(object, without_noise(), 1);
   const hand::HandReading reading = press_block(world, 200, 0.04);
-  const auto T_base_link = hand::forward_kinematics(world.hand_model(), reading.joints);
-  const Eigen::Isometry3d T_object_base =
-      world.truth().T_world_object.inverse() * reading.base.pose();
+  const auto T_mount_link = hand::forward_kinematics(world.hand_model(), reading.joints);
+  const Eigen::Isometry3d T_object_mount =
+      world.truth().T_world_object.inverse() * reading.mount.pose();
   ASSERT_GE(contacts(reading), 1);
   for (std::size_t i = 0; i < hand::kShadowFingers; ++i) {
     const auto& tip = world.hand_model().fingers[i].tip;
     const auto link = static_cast<std::size_t>(world.hand_model().fingers[i].link);
-    const Eigen::Isometry3d T = T_object_base * T_base_link[link];
+    const Eigen::Isometry3d T = T_object_mount * T_mount_link[link];
     for (const hand::TipContact& contact : reading.contacts[i]) {
       const double z = std::clamp(contact.p.z(), tip.a.z(), tip.b.z());
       const Eigen::Vector3d center = T * Eigen::Vector3d(0, 0, z);
@@ -280,7 +280,7 @@ TEST(World, LoadNoiseHasItsSizeAndLeavesThePhysicsAlone) {
   for (int tick = 0; tick < kTicks; ++tick) {
     const hand::HandReading a = exact.hand().step(hold), b = noisy.hand().step(hold);
     ASSERT_EQ(a.joints, b.joints);
-    squares += (a.base_force - b.base_force).squaredNorm() / (3 * kTicks);
+    squares += (a.mount_force - b.mount_force).squaredNorm() / (3 * kTicks);
   }
   EXPECT_NEAR(std::sqrt(squares), 0.1, 0.01);
 }

@@ -41,7 +41,7 @@ struct Calibrating {
         hand(started(world, evaluation::draw_start(object, {}, seed))),
         robot(hand, world.hand_model(), evaluation::waiting_command(world.hand_model())) {}
 
-  /// Its clock and its base must not jump before the robot's eyes.
+  /// Its clock and its mount must not jump before the robot's eyes.
   static hand::Hand& started(simulation::World& world, const simulation::Start& start) {
     world.reset(start, evaluation::waiting_command(world.hand_model()));
     return world.hand();
@@ -72,7 +72,7 @@ TEST(CalibratePhase, FindsTheFingertipsWithoutTouchingTheObject) {
       (scene.world.truth().T_world_object.translation() - T_world_object.translation()).norm(),
       1e-4);
   EXPECT_FALSE(scene.world.diverged());
-  EXPECT_GT(scene.robot.reading().base.xyz.z(), 0.3);  // clear of all that stands about
+  EXPECT_GT(scene.robot.reading().mount.xyz.z(), 0.3);  // clear of all that stands about
   // Within three standard deviations of what it says of itself.
   double stated = 0;
   for (int finger = 0; finger < hand::kShadowFingers; ++finger) {
@@ -144,7 +144,7 @@ TEST(CalibratePhase, LeavesTheHandWhoseTouchesContradictOneAnother) {
   model.kinematic_error = 0.002;
   int ticks = 0;
   hand::FakeHand hand([&](hand::HandReading& reading) {  // senses things in the air, ever higher
-    if (reading.base.xyz.z() > 0.2) return;
+    if (reading.mount.xyz.z() > 0.2) return;
     for (auto& contacts : reading.contacts) {
       contacts = {{{0, 0.03 * std::sin(0.01 * ++ticks), 0.02}, {0, 1, 0}, {0, -1, 0}}};
     }
@@ -164,7 +164,7 @@ struct ReversedLoad : hand::Hand {
   explicit ReversedLoad(hand::Hand& it) : inner(it) {}
   hand::HandReading step(const hand::HandCommand& command) override {
     hand::HandReading reading = inner.step(command);
-    reading.base_force = -reading.base_force;
+    reading.mount_force = -reading.mount_force;
     return reading;
   }
   hand::Hand& inner;
@@ -183,7 +183,7 @@ TEST(CalibratePhase, ALoadOfTheWrongSignIsAFault) {
   PickState state;
   EXPECT_EQ(run_phase(phase, robot, state).status, PhaseStatus::fault);
   EXPECT_EQ(robot.fault().fault, Fault::out_of_range);
-  EXPECT_NE(robot.fault().detail.find("base_force has the wrong sign"), std::string::npos);
+  EXPECT_NE(robot.fault().detail.find("mount_force has the wrong sign"), std::string::npos);
 }
 
 TEST(CalibratePhase, AForceOfTheWrongSignIsNamed) {
@@ -195,14 +195,14 @@ TEST(CalibratePhase, AForceOfTheWrongSignIsNamed) {
         for (std::size_t i = 0; i < model.fingers.size(); ++i) {
           const hand::Finger& finger = model.fingers[i];
           const Eigen::Isometry3d T =
-              reading.base.pose() * links[static_cast<std::size_t>(finger.link)];
+              reading.mount.pose() * links[static_cast<std::size_t>(finger.link)];
           const double below = finger.tip.radius - (T * finger.tip.b).z();
           if (below <= 0) continue;
           depth = std::max(depth, below);
           const Eigen::Vector3d up = T.linear().transpose() * Eigen::Vector3d::UnitZ();
           reading.contacts[i] = {{finger.tip.b - finger.tip.radius * up, up, 2 * up}};
         }
-        reading.base_force.z() = -2000 * depth;
+        reading.mount_force.z() = -2000 * depth;
       },
       model);
   Executor robot(fake, model, evaluation::waiting_command(model));

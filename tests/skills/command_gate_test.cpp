@@ -52,23 +52,23 @@ TEST(SpeedProfile, SlowMotionIsSteadyFromTheFirstTick) {
 TEST(CommandGate, LimitsWhatIsTooFastAndCountsIt) {
   CommandGate limits = gate();
   hand::HandCommand far = hand::resting_command();
-  far.base.xyz = {1, 0, 0};
-  far.base.ypr = {0, 2, 0};
+  far.mount.xyz = {1, 0, 0};
+  far.mount.ypr = {0, 2, 0};
   far.positions.setConstant(1);
   hand::HandCommand before = hand::resting_command();
   double slide = 0, turn = 0, bend = 0;
   for (int tick = 0; tick < 400; ++tick) {
     const hand::HandCommand now = limits.limited(far);
-    slide = std::max(slide, (now.base.xyz - before.base.xyz).norm() / kTick);
-    turn = std::max(turn, (now.base.ypr - before.base.ypr).norm() / kTick);
+    slide = std::max(slide, (now.mount.xyz - before.mount.xyz).norm() / kTick);
+    turn = std::max(turn, (now.mount.ypr - before.mount.ypr).norm() / kTick);
     bend = std::max(bend, (now.positions - before.positions).cwiseAbs().maxCoeff() / kTick);
     before = now;
   }
   const SafetyOptions options;
-  EXPECT_NEAR(slide, options.base_speed, 1e-6);
+  EXPECT_NEAR(slide, options.mount_speed, 1e-6);
   EXPECT_NEAR(turn, options.turn_speed, 1e-6);
   EXPECT_NEAR(bend, options.finger_speed, 1e-6);
-  EXPECT_EQ(before.base.xyz, far.base.xyz);
+  EXPECT_EQ(before.mount.xyz, far.mount.xyz);
   EXPECT_EQ(before.positions, far.positions);
   EXPECT_GT(limits.changed(), 100u);
 }
@@ -77,9 +77,9 @@ TEST(CommandGate, LetsThroughWhatIsWithinTheLimits) {
   CommandGate limits = gate();
   hand::HandCommand command = hand::resting_command();
   for (int tick = 0; tick < 100; ++tick) {
-    command.base.xyz.x() += 0.05 * kTick;
+    command.mount.xyz.x() += 0.05 * kTick;
     command.positions.array() += 1.0 * kTick;
-    EXPECT_EQ(limits.limited(command).base.xyz, command.base.xyz);
+    EXPECT_EQ(limits.limited(command).mount.xyz, command.mount.xyz);
   }
   EXPECT_EQ(limits.limited(command).positions, command.positions);  // to stop is allowed at once
   EXPECT_EQ(limits.changed(), 0u);
@@ -90,11 +90,11 @@ TEST(CommandGate, KeepsToRangesAndWorkspace) {
   options.workspace = 0.2;
   CommandGate limits = gate(options);
   hand::HandCommand beyond = hand::resting_command();
-  beyond.base.xyz = {0, 3, 0};
+  beyond.mount.xyz = {0, 3, 0};
   beyond.positions.setConstant(9);
   hand::HandCommand commanded;
   for (int tick = 0; tick < 400; ++tick) commanded = limits.limited(beyond);
-  EXPECT_NEAR(commanded.base.xyz.norm(), 0.2, 1e-9);
+  EXPECT_NEAR(commanded.mount.xyz.norm(), 0.2, 1e-9);
   EXPECT_EQ(commanded.positions.maxCoeff(), kSoftHand.actuators[0].command.high);
 }
 
@@ -119,14 +119,14 @@ TEST(CommandGate, AMountThatTurnsBackStartsFromRest) {
   double speed = 0;
   for (int tick = 0; tick < 50; ++tick) {
     speed = std::min(0.59, speed + 0.1);
-    command.base.xyz.x() += speed * kTick;
+    command.mount.xyz.x() += speed * kTick;
     command = limits.limited(command);
   }
   ASSERT_EQ(limits.changed(), 0u);
   hand::HandCommand back = command;
-  back.base.xyz.x() -= 0.59 * kTick;
-  const double now = (limits.limited(back).base.xyz.x() - command.base.xyz.x()) / kTick;
-  EXPECT_NEAR(now, -SafetyOptions{}.base_acceleration * kTick, 1e-6);
+  back.mount.xyz.x() -= 0.59 * kTick;
+  const double now = (limits.limited(back).mount.xyz.x() - command.mount.xyz.x()) / kTick;
+  EXPECT_NEAR(now, -SafetyOptions{}.mount_acceleration * kTick, 1e-6);
   EXPECT_EQ(limits.changed(), 1u);
 }
 

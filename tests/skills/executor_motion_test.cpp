@@ -33,13 +33,13 @@ TEST(Motion, ASpeedThatIsNoneIsAFaultAndMovesNothing) {
       RecordingHand hand;
       Executor robot(hand, hand::with_soft_actuators(), hand::resting_command());
       hand::HandCommand target = robot.command();
-      target.base.xyz.x() = 0.2;
-      EXPECT_THROW(
-          with_fingers ? robot.move_hand(target, speed, 0.5) : robot.move_base(target.base, speed),
-          SafetyStop)
+      target.mount.xyz.x() = 0.2;
+      EXPECT_THROW(with_fingers ? robot.move_hand(target, speed, 0.5)
+                                : robot.move_mount(target.mount, speed),
+                   SafetyStop)
           << speed;
       EXPECT_EQ(robot.fault().fault, Fault::invalid_command);
-      EXPECT_EQ(hand.commands.back().base.xyz.x(), 0);
+      EXPECT_EQ(hand.commands.back().mount.xyz.x(), 0);
     }
   }
 }
@@ -52,16 +52,16 @@ struct StandingHand : RecordingHand {
 TEST(Motion, AGuardedSpeedOfZeroIsAFault) {
   StandingHand hand;
   Executor robot(hand, hand::with_soft_actuators(), hand::resting_command());
-  hand::BasePosition target;
+  hand::MountPosition target;
   target.xyz.z() = -0.2;
   const auto never = [](const hand::HandReading&) { return false; };
-  EXPECT_THROW(robot.move_base(target, 0.1, never), SafetyStop);
+  EXPECT_THROW(robot.move_mount(target, 0.1, never), SafetyStop);
   EXPECT_EQ(robot.fault().fault, Fault::invalid_command);
 }
 
 /// Its driver computes what it answers, wrongly.
 struct ConfusedHand : RecordingHand {
-  hand::PathFeasibility check_path(std::span<const hand::BasePosition>) const override {
+  hand::PathFeasibility check_path(std::span<const hand::MountPosition>) const override {
     hand::PathFeasibility feasible;
     feasible.stretch = stretch;
     return feasible;
@@ -78,13 +78,13 @@ TEST(Motion, AnswersOfTheHandThatAreNoneAreFaults) {
     hand.stretch = stretch;
     hand.acceleration = acceleration;
     Executor robot(hand, hand::with_soft_actuators(), hand::resting_command());
-    hand::BasePosition target;
+    hand::MountPosition target;
     target.xyz.z() = 0.2;
     try {
-      EXPECT_EQ(robot.move_base(target, 0.1), MotionEnd::reached);
-      EXPECT_EQ(hand.commands.back().base.xyz.z(), 0.2);
+      EXPECT_EQ(robot.move_mount(target, 0.1), MotionEnd::reached);
+      EXPECT_EQ(hand.commands.back().mount.xyz.z(), 0.2);
     } catch (const SafetyStop&) {
-      EXPECT_EQ(hand.commands.back().base.xyz.z(), 0);
+      EXPECT_EQ(hand.commands.back().mount.xyz.z(), 0);
     }
     return robot.fault().fault;
   };
@@ -100,7 +100,7 @@ TEST(Motion, AnswersOfTheHandThatAreNoneAreFaults) {
 /// Cannot judge ways, or does not know its limits.
 struct JudgingHand : RecordingHand {
   explicit JudgingHand(bool of_ways) : RecordingHand({}, soft_shadow()), ways(of_ways) {}
-  hand::PathFeasibility check_path(std::span<const hand::BasePosition>) const override {
+  hand::PathFeasibility check_path(std::span<const hand::MountPosition>) const override {
     if (ways) throw std::runtime_error("no map");
     return {};
   }
@@ -119,7 +119,7 @@ TEST(Motion, WhatTheHandThrowsInJudgingIsAFaultOfThePick) {
     const PickResult result = pick(robot, object, {}, 1);
     EXPECT_EQ(result.fault.fault, Fault::exception);
     EXPECT_EQ(result.fault.detail, of_ways ? "the hand: no map" : "the hand: no limits");
-    for (const auto& command : hand.commands) EXPECT_EQ(command.base.xyz.norm(), 0);
+    for (const auto& command : hand.commands) EXPECT_EQ(command.mount.xyz.norm(), 0);
   }
 }
 

@@ -31,52 +31,52 @@ struct Scene {
   Executor robot;
 };
 
-hand::BasePosition at(const Eigen::Vector3d& xyz) { return {xyz, Eigen::Vector3d::Zero()}; }
+hand::MountPosition at(const Eigen::Vector3d& xyz) { return {xyz, Eigen::Vector3d::Zero()}; }
 
-TEST(Executor, BaseComesToTheTargetAtTheGivenSpeed) {
+TEST(Executor, MountComesToTheTargetAtTheGivenSpeed) {
   RandomStream random(1);
   for (int i = 0; i < 20; ++i) {
     Scene scene;
     const Eigen::Vector3d target = random.uniform(0.05, 0.3) * random.unit_vector();
     const double speed = random.uniform(0.02, 0.1);  // that is reached in a tick
     const double start = scene.robot.time();
-    EXPECT_EQ(scene.robot.move_base(at(target), speed), MotionEnd::reached);
-    EXPECT_LT((scene.robot.reading().base.xyz - target).norm(), 1e-12);
+    EXPECT_EQ(scene.robot.move_mount(at(target), speed), MotionEnd::reached);
+    EXPECT_LT((scene.robot.reading().mount.xyz - target).norm(), 1e-12);
     EXPECT_NEAR(scene.robot.time() - start, target.norm() / speed, kTick);
 
     const auto& readings = scene.robot.log().readings;
-    const double step = (readings[1].base.xyz - readings[0].base.xyz).norm();
+    const double step = (readings[1].mount.xyz - readings[0].mount.xyz).norm();
     for (std::size_t k = 1; k < readings.size(); ++k) {
-      const Eigen::Vector3d way = readings[k].base.xyz - readings[k - 1].base.xyz;
+      const Eigen::Vector3d way = readings[k].mount.xyz - readings[k - 1].mount.xyz;
       EXPECT_NEAR(way.norm(), step, 1e-12);
       EXPECT_LT(way.cross(target).norm(), 1e-12);
     }
   }
 }
 
-TEST(Executor, TurningBaseEndsTurned) {
+TEST(Executor, TurningMountEndsTurned) {
   Scene scene;
-  const hand::BasePosition target{{0.01, 0, 0}, {1.0, -0.5, 0.2}};
-  scene.robot.move_base(target, 0.1);
-  EXPECT_LT((scene.robot.reading().base.ypr - target.ypr).norm(), 1e-12);
+  const hand::MountPosition target{{0.01, 0, 0}, {1.0, -0.5, 0.2}};
+  scene.robot.move_mount(target, 0.1);
+  EXPECT_LT((scene.robot.reading().mount.ypr - target.ypr).norm(), 1e-12);
   EXPECT_GT(scene.robot.time(), 1.0);  // the turn, not the 0.1 s of way, sets the pace
 }
 
 TEST(Executor, MotionStopsOnTheTickOfItsCondition) {
   Scene scene;
-  const auto low = [](const HandReading& reading) { return reading.base.xyz.z() <= -0.05; };
-  EXPECT_EQ(scene.robot.move_base(at({0, 0, -0.2}), 0.1, low), MotionEnd::stopped);
-  EXPECT_LE(scene.robot.reading().base.xyz.z(), -0.05);
-  EXPECT_GT(scene.robot.reading().base.xyz.z(), -0.0511);
-  EXPECT_EQ(scene.robot.command().base.xyz, scene.robot.reading().base.xyz);
+  const auto low = [](const HandReading& reading) { return reading.mount.xyz.z() <= -0.05; };
+  EXPECT_EQ(scene.robot.move_mount(at({0, 0, -0.2}), 0.1, low), MotionEnd::stopped);
+  EXPECT_LE(scene.robot.reading().mount.xyz.z(), -0.05);
+  EXPECT_GT(scene.robot.reading().mount.xyz.z(), -0.0511);
+  EXPECT_EQ(scene.robot.command().mount.xyz, scene.robot.reading().mount.xyz);
 }
 
 TEST(Executor, DeadlineEndsEveryMotion) {
   Scene scene;
   scene.robot.set_deadline(0.5);
-  EXPECT_EQ(scene.robot.move_base(at({1, 0, 0}), 0.1), MotionEnd::timed_out);
+  EXPECT_EQ(scene.robot.move_mount(at({1, 0, 0}), 0.1), MotionEnd::timed_out);
   EXPECT_NEAR(scene.robot.time(), 0.5, kTick);
-  EXPECT_LT(scene.robot.reading().base.xyz.x(), 0.051);
+  EXPECT_LT(scene.robot.reading().mount.xyz.x(), 0.051);
   EXPECT_EQ(scene.robot.wait(1.0), MotionEnd::timed_out);
   EXPECT_EQ(scene.robot.move_fingers(hand::ActuatorVector::Ones(hand::kShadowActuators), 1.0),
             MotionEnd::timed_out);
@@ -105,7 +105,7 @@ TEST(Executor, FingersComeToThePostureInTheGivenTime) {
   EXPECT_EQ(scene.robot.reading().joints[hand::shadow_hand().joint("FFJ3")], 0.7);
 }
 
-TEST(Executor, BaseAndFingersArriveTogether) {
+TEST(Executor, MountAndFingersArriveTogether) {
   for (const double seconds : {0.1, 2.0}) {
     Scene scene;
     const hand::ActuatorVector from = scene.robot.command().positions;
@@ -113,7 +113,7 @@ TEST(Executor, BaseAndFingersArriveTogether) {
     target.positions.setConstant(0.5);
     EXPECT_EQ(scene.robot.move_hand(target, 0.2, seconds), MotionEnd::reached);
     EXPECT_EQ(scene.robot.command().positions, target.positions);
-    EXPECT_LT((scene.robot.reading().base.xyz - target.base.xyz).norm(), 1e-12);
+    EXPECT_LT((scene.robot.reading().mount.xyz - target.mount.xyz).norm(), 1e-12);
     EXPECT_NEAR(scene.robot.time(), std::max(1.0, seconds), 0.2)
         << "the slower of both sets the pace";
     EXPECT_EQ(scene.robot.limited_commands(), 0);
@@ -141,28 +141,28 @@ TEST(Executor, APauseToThinkIsNoFaultOfTheClock) {
 /// As arms do, whose drivers give angles from -pi to pi.
 TEST(Executor, AttitudesMayBeReadInOtherTurns) {
   hand::FakeHand hand([](hand::HandReading& reading) {
-    reading.base = hand::BasePosition::at(reading.base.pose());
+    reading.mount = hand::MountPosition::at(reading.mount.pose());
   });
   Executor robot(hand, hand::shadow_hand(), hand::resting_command());
-  hand::BasePosition turned = robot.command().base;
+  hand::MountPosition turned = robot.command().mount;
   turned.ypr.x() = 4.2;
-  EXPECT_EQ(robot.move_base(turned, 0.4), MotionEnd::reached);
-  EXPECT_NEAR(robot.reading().base.ypr.x(), 4.2, 1e-9);
+  EXPECT_EQ(robot.move_mount(turned, 0.4), MotionEnd::reached);
+  EXPECT_NEAR(robot.reading().mount.ypr.x(), 4.2, 1e-9);
   robot.make_safe(Fault::stop_requested, "");
-  EXPECT_NEAR(robot.command().base.ypr.x(), 4.2, 1e-9) << "the safe state turned the hand";
+  EXPECT_NEAR(robot.command().mount.ypr.x(), 4.2, 1e-9) << "the safe state turned the hand";
 }
 
 TEST(Executor, WhatPressesOnTheHandIsNotTakenForDrift) {
   double load = 1;
-  hand::FakeHand hand([&](hand::HandReading& reading) { reading.base_force.z() = load; });
+  hand::FakeHand hand([&](hand::HandReading& reading) { reading.mount_force.z() = load; });
   Executor robot(hand, hand::shadow_hand(), hand::resting_command());
   robot.tare();
   robot.wait(0.05);
-  EXPECT_NEAR(robot.reading().base_force.z(), 0, 1e-6);
+  EXPECT_NEAR(robot.reading().mount_force.z(), 0, 1e-6);
   load = 20;
   robot.tare();
   robot.wait(0.05);
-  EXPECT_NEAR(robot.reading().base_force.z(), 19, 1e-6);
+  EXPECT_NEAR(robot.reading().mount_force.z(), 19, 1e-6);
 }
 
 TEST(Executor, APostureOfAnotherHandIsAFault) {
@@ -189,13 +189,13 @@ TEST(Executor, ReportsEveryTickAndEvent) {
   EXPECT_EQ(scene.robot.log().at(estimation::TouchEvent::closed), 20u);
 }
 
-TEST(Executor, GripClosesWhileTheBaseMovesAndWithinItsTorque) {
+TEST(Executor, GripClosesWhileTheMountMovesAndWithinItsTorque) {
   Scene scene;
   const auto& preshape = kSoftHand.postures.top;
   Grip grip{grasping::ClosingLaw(kSoftHand, 1.0, preshape.closed), preshape.contact_torque, {}};
   grip.active[static_cast<std::size_t>(hand::FingerName::first)] = true;
   scene.robot.set_grip(grip);
-  scene.robot.move_base(at({0, 0, 0.05}), 0.1);
+  scene.robot.move_mount(at({0, 0, 0.05}), 0.1);
   const auto& positions = scene.robot.command().positions;
   EXPECT_GT(positions[hand::shadow_hand().actuator("FFJ3")], 0.1);
   EXPECT_EQ(positions[hand::shadow_hand().actuator("MFJ3")], 0);
@@ -205,10 +205,10 @@ TEST(Executor, GripClosesWhileTheBaseMovesAndWithinItsTorque) {
   EXPECT_EQ(positions[hand::shadow_hand().actuator("FFJ3")], before);
 }
 
-/// A scene whose base is pushed upwards with 2 N in the times [from, to).
+/// A scene whose mount is pushed upwards with 2 N in the times [from, to).
 Scene pushed(double from, double to) {
   return Scene([from, to](HandReading& reading) {
-    if (reading.time >= from && reading.time < to) reading.base_force.z() = 2;
+    if (reading.time >= from && reading.time < to) reading.mount_force.z() = 2;
   });
 }
 
@@ -239,11 +239,11 @@ TEST(LastingLoad, CountsOnlyWhatPushesAlongItsDirection) {
   EXPECT_EQ(wait_for_load(weak.robot, Eigen::Vector3d::UnitZ(), 2.5), MotionEnd::reached);
 }
 
-/// A scene whose base is pushed downwards with 0.3 N by its motion, and by an obstacle that adds
+/// A scene whose mount is pushed downwards with 0.3 N by its motion, and by an obstacle that adds
 /// `load` upwards from a time on.
 Scene moving_against(double load, double from) {
   return Scene([load, from](HandReading& reading) {
-    reading.base_force.z() = -0.3 + (reading.time >= from ? load : 0.0);
+    reading.mount_force.z() = -0.3 + (reading.time >= from ? load : 0.0);
   });
 }
 

@@ -21,11 +21,12 @@ struct Exploring {
                      const geometry::KnownObject& known = geometry::load_known_object("box"))
       : object(known),
         hand([this, touches = std::move(touches)](hand::HandReading& reading) {
-          follow(reading.base.xyz);
+          follow(reading.mount.xyz);
           if (fallen > roof && !sweeping) touch(reading, Eigen::Vector3d::UnitZ());
           if (!sweeping || way() < met || (!is_level() && !meets_on_the_way_down)) return;
           if (touches(sweeps)) touch(reading, (start - last).normalized());
-          if (blocks && blocks(sweeps)) reading.base_force = obstacle * (last - start).normalized();
+          if (blocks && blocks(sweeps))
+            reading.mount_force = obstacle * (last - start).normalized();
         }),
         robot(hand, model, hand::resting_command(),
               {{}, [this](estimation::TouchEvent event) { count(event); }, {}}) {
@@ -49,7 +50,7 @@ struct Exploring {
     if (event == estimation::TouchEvent::guarded_move) {
       sweeping = true;
       start = last;
-      begun = robot.command().base;
+      begun = robot.command().mount;
     } else if (sweeping) {
       sweeping = false;
       if (!is_level()) return;
@@ -62,7 +63,7 @@ struct Exploring {
   void touch(hand::HandReading& reading, const Eigen::Vector3d& normal) const {
     const auto link = static_cast<std::size_t>(model.fingers[1].link);
     const Eigen::Matrix3d R_link_world =
-        (reading.base.pose() * hand::forward_kinematics(model, reading.joints)[link])
+        (reading.mount.pose() * hand::forward_kinematics(model, reading.joints)[link])
             .linear()
             .transpose();
     const Eigen::Vector3d n = R_link_world * normal;
@@ -94,10 +95,10 @@ struct Exploring {
   double obstacle = 5.0;  // N, of what blocks the hand
   Rule blocks;            // where another part of the hand meets something
   bool meets_on_the_way_down = false;
-  std::vector<hand::BasePosition> starts;  // of the level sweeps
-  std::size_t sweeps = 0;                  // level ones that have ended
+  std::vector<hand::MountPosition> starts;  // of the level sweeps
+  std::size_t sweeps = 0;                   // level ones that have ended
   bool sweeping = false;
-  hand::BasePosition begun;
+  hand::MountPosition begun;
   Eigen::Vector3d start{0, 0, 0}, last{0, 0, 0};
   hand::Description model =
       hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
@@ -145,7 +146,7 @@ TEST(ExplorePhase, IsSlowWhereTheObjectMayBe) {
     double fastest = 0, last = 0;  // m/s; in its second half
     for (std::size_t i = sets_out[k] + 1; i <= misses[k]; ++i) {
       const double speed =
-          (log.readings[i].base.xyz - log.readings[i - 1].base.xyz).norm() / hand::kTick;
+          (log.readings[i].mount.xyz - log.readings[i - 1].mount.xyz).norm() / hand::kTick;
       fastest = std::max(fastest, speed);
       if (2 * i > sets_out[k] + misses[k]) last = std::max(last, speed);
     }
@@ -164,7 +165,7 @@ TEST(ExplorePhase, TouchesLightObjectsSlowly) {
   exploring.explore();
   const auto& log = exploring.robot.log();
   const std::size_t end = log.all(estimation::TouchEvent::missed).back();
-  const Eigen::Vector3d way = log.readings[end - 10].base.xyz - log.readings[end - 20].base.xyz;
+  const Eigen::Vector3d way = log.readings[end - 10].mount.xyz - log.readings[end - 20].mount.xyz;
   EXPECT_NEAR(way.norm() / (10 * hand::kTick), exploring.options.touch_speed, 0.001);
 }
 
@@ -172,7 +173,7 @@ TEST(ExplorePhase, TouchesLightObjectsSlowly) {
 double fastest_between(const estimation::EventLog& log, std::size_t from, std::size_t to) {
   double fastest = 0;
   for (std::size_t i = from + 1; i <= to; ++i) {
-    const Eigen::Vector3d way = log.readings[i].base.xyz - log.readings[i - 1].base.xyz;
+    const Eigen::Vector3d way = log.readings[i].mount.xyz - log.readings[i - 1].mount.xyz;
     fastest = std::max(fastest, way.norm() / hand::kTick);
   }
   return fastest;
@@ -190,8 +191,8 @@ TEST(ExplorePhase, ComesDownSlowlyWhereTheObjectMayBe) {
   ASSERT_GE(sets_out.size(), 4u) << "a way down and a sweep, twice";
   std::size_t down = 0;
   for (std::size_t k = 0; k < misses.size(); ++k) {
-    const auto& from = log.readings[sets_out[k]].base.xyz;
-    const auto& to = log.readings[misses[k]].base.xyz;
+    const auto& from = log.readings[sets_out[k]].mount.xyz;
+    const auto& to = log.readings[misses[k]].mount.xyz;
     if ((from - to).head<2>().norm() > 1e-3) continue;
     ++down;
     EXPECT_GT(from.z() - to.z(), 0.02);
@@ -208,7 +209,7 @@ TEST(ExplorePhase, BesideTheObjectNoFasterThanAGuardedMove) {
   const auto& readings = exploring.robot.log().readings;
   double way = 0, over = 0, beside = 0;  // m straight down in one go; m/s
   for (std::size_t i = 1; i < readings.size(); ++i) {
-    const Eigen::Vector3d step = readings[i].base.xyz - readings[i - 1].base.xyz;
+    const Eigen::Vector3d step = readings[i].mount.xyz - readings[i - 1].mount.xyz;
     const bool down = step.head<2>().norm() < 1e-9 && step.z() < 0;
     way = down ? way - step.z() : 0;
     double& fastest = way > 0.02 ? beside : over;  // m by which the hand travels above the box
@@ -229,8 +230,8 @@ TEST(ExplorePhase, WhatTheFingertipMeetsOnTheWayDownIsATouch) {
   ASSERT_EQ(exploring.count_of(estimation::TouchEvent::touched), 2u);
   const auto& log = exploring.robot.log();
   for (std::size_t k = 0; k < 2; ++k) {
-    const auto& from = log.readings[log.all(estimation::TouchEvent::guarded_move)[k]].base.xyz;
-    const auto& to = log.readings[log.all(estimation::TouchEvent::touched)[k]].base.xyz;
+    const auto& from = log.readings[log.all(estimation::TouchEvent::guarded_move)[k]].mount.xyz;
+    const auto& to = log.readings[log.all(estimation::TouchEvent::touched)[k]].mount.xyz;
     EXPECT_LT((from - to).head<2>().norm(), 1e-3);
   }
 }
@@ -245,7 +246,7 @@ TEST(ExplorePhase, WhatIsMetOnAFastWayDownStopsItAndIsATouch) {
   const auto met = std::find_if(readings.begin(), readings.end(),
                                 [](const auto& reading) { return !reading.contacts[1].empty(); });
   const auto touched = exploring.robot.log().all(estimation::TouchEvent::touched).front();
-  EXPECT_LT(met->base.xyz.z() - readings[touched].base.xyz.z(), 0.01);
+  EXPECT_LT(met->mount.xyz.z() - readings[touched].mount.xyz.z(), 0.01);
 }
 
 TEST(ExplorePhase, AHardImpactEndsASweepBeforeItsLoadHasSettled) {
@@ -258,7 +259,7 @@ TEST(ExplorePhase, AHardImpactEndsASweepBeforeItsLoadHasSettled) {
   const auto& log = exploring.robot.log();
   const auto from = log.all(estimation::TouchEvent::guarded_move).front();
   const auto to = log.all(estimation::TouchEvent::missed).front();
-  EXPECT_LT((log.readings[to].base.xyz - log.readings[from].base.xyz).norm(), 0.025);
+  EXPECT_LT((log.readings[to].mount.xyz - log.readings[from].mount.xyz).norm(), 0.025);
 }
 
 TEST(ExplorePhase, MakesUpForNoMissWhereMoreTouchesMayFollow) {

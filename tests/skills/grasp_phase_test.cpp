@@ -41,13 +41,13 @@ struct ClosingHand {
     if (!closed) return;
     const auto T = hand::forward_kinematics(model, reading.joints);
     for (std::size_t finger = 0; finger < hand::kShadowFingers; ++finger) {
-      const Eigen::Isometry3d T_link_base =
+      const Eigen::Isometry3d T_link_mount =
           T[static_cast<std::size_t>(model.fingers[finger].link)].inverse();
       const double side = finger == 0 && closings > bad ? -1 : 1;
       const Eigen::Vector3d p(0.02 * (static_cast<double>(finger) - 2.5), side * 0.02, 0.1);
-      const Eigen::Vector3d n = T_link_base.linear() * Eigen::Vector3d(0, side, 0);
+      const Eigen::Vector3d n = T_link_mount.linear() * Eigen::Vector3d(0, side, 0);
       const Eigen::Vector3d middle(finger == 0 ? 0 : p.x(), p.y(), p.z());
-      reading.contacts[finger] = {{T_link_base * middle, n, -kPress * n}};
+      reading.contacts[finger] = {{T_link_mount * middle, n, -kPress * n}};
     }
   }
 

@@ -17,13 +17,13 @@ namespace {
 struct OverABlock {
   OverABlock(double height, const Eigen::Vector2d& place, double half_width)
       : hand([=](hand::HandReading& reading) {
-          const Eigen::Vector2d away = reading.base.xyz.head<2>() + kLevelCenter - place;
+          const Eigen::Vector2d away = reading.mount.xyz.head<2>() + kLevelCenter - place;
           const bool over = away.cwiseAbs().maxCoeff() < half_width;
           if (over && estimation::lowest_of_hand(soft_shadow(), reading) < height)
-            reading.base_force.z() = -2;
+            reading.mount_force.z() = -2;
         }),
         robot(hand, soft_shadow(), evaluation::waiting_command(soft_shadow())) {}
-  /// Of the flat hand at yaw 0, from its base.
+  /// Of the flat hand at yaw 0, from its mount.
   inline static const Eigen::Vector2d kLevelCenter{0.072, -0.005};
 
   hand::FakeHand hand;
@@ -50,7 +50,7 @@ double greatest_speed(const Executor& robot, double low, double high) {
     const double height = estimation::lowest_of_hand(soft_shadow(), readings[i]);
     if (height < low || height > high) continue;
     speed =
-        std::max(speed, (readings[i - 1].base.xyz.z() - readings[i].base.xyz.z()) / hand::kTick);
+        std::max(speed, (readings[i - 1].mount.xyz.z() - readings[i].mount.xyz.z()) / hand::kTick);
   }
   return speed;
 }
@@ -69,12 +69,13 @@ TEST(HeightProbePhase, ComesDownSlowlyWhereTheObjectMayBe) {
 TEST(HeightProbePhase, TravelsOverWhateverMayStandThere) {
   OverABlock scene(0.04, {0, 0}, 0.03);
   scene.state.clear_height = 0.31;
-  scene.robot.move_base({{0.3, 0, 0.3}, {0, 0, 0}}, 1.0);  // beside, and low
+  scene.robot.move_mount({{0.3, 0, 0.3}, {0, 0, 0}}, 1.0);  // beside, and low
   const std::size_t first = scene.robot.log().readings.size();
   ASSERT_TRUE(HeightProbePhase({}).run(scene.robot, scene.state).ok);
   const auto& readings = scene.robot.log().readings;
   for (std::size_t i = first; i < readings.size(); ++i) {
-    const Eigen::Vector2d way = readings[i].base.xyz.head<2>() - readings[i - 1].base.xyz.head<2>();
+    const Eigen::Vector2d way =
+        readings[i].mount.xyz.head<2>() - readings[i - 1].mount.xyz.head<2>();
     if (way.norm() < 1e-5) continue;  // up or down
     EXPECT_GT(estimation::lowest_of_hand(soft_shadow(), readings[i]), 0.305);
   }

@@ -4,27 +4,27 @@
 #include <numbers>
 
 #include "palpate/skills/place/place_goal.hpp"
-#include "skills/base_near.hpp"
+#include "skills/mount_near.hpp"
 
 namespace palpate::skills {
 namespace {
 
 constexpr std::size_t kLifted = 1;  // reading of the log
 
-/// A log whose base stood at a place when the fingers closed, and 10 cm higher when it held.
-estimation::EventLog lifted_log(const hand::BasePosition& closed) {
+/// A log whose mount stood at a place when the fingers closed, and 10 cm higher when it held.
+estimation::EventLog lifted_log(const hand::MountPosition& closed) {
   estimation::EventLog log;
   log.readings.resize(2);
-  log.readings[0].base = closed;
-  log.readings[1].base = closed;
-  log.readings[1].base.xyz.z() += 0.1;
+  log.readings[0].mount = closed;
+  log.readings[1].mount = closed;
+  log.readings[1].mount.xyz.z() += 0.1;
   log.moments = {{estimation::TouchEvent::closed, 0}, {estimation::TouchEvent::held, 1}};
   return log;
 }
 
 TEST(HeldObject, TiltAndHeightAreTakenFromTheTable) {
   const auto box = geometry::load_known_object("box");
-  const hand::BasePosition closed = {{0.02, 0.01, 0.2}, {0.7, 0.4, -0.3}};
+  const hand::MountPosition closed = {{0.02, 0.01, 0.2}, {0.7, 0.4, -0.3}};
   const Eigen::Isometry3d standing = resting_pose(box, 0, {0.03, 0.02}, 0.5);
   localization::Posterior posterior;
   for (const double tilt : {-0.1, 0.1}) {  // too far apart to agree as they are
@@ -40,7 +40,7 @@ TEST(HeldObject, TiltAndHeightAreTakenFromTheTable) {
   ASSERT_TRUE(held);
   EXPECT_NEAR(held->certainty, 1, 1e-9);
   EXPECT_EQ(held->found_stable_pose, 0u);
-  const Eigen::Isometry3d believed = closed.pose() * held->T_base_object_flat;
+  const Eigen::Isometry3d believed = closed.pose() * held->T_mount_object_flat;
   EXPECT_LT((believed.translation() - standing.translation()).norm(), 1e-6);
   EXPECT_LT(rotation_distance(believed.linear(), standing.linear()), 1e-6);
 }
@@ -66,14 +66,14 @@ TEST(HeldObject, WithoutAPoseOrAnEventThereIsNone) {
   EXPECT_FALSE(held_object(box, posterior, {}, kLifted, {}));
 }
 
-TEST(BaseNear, HasThePoseAndTurnsTheShortWay) {
+TEST(MountNear, HasThePoseAndTurnsTheShortWay) {
   for (double yaw = -6; yaw <= 6; yaw += 0.7) {
     for (const double pitch : {-1.2, 0.3, 1.2}) {
-      const hand::BasePosition base = {{0.1, 0.2, 0.3}, {yaw, pitch, -0.8}};
-      hand::BasePosition start = base;
+      const hand::MountPosition mount = {{0.1, 0.2, 0.3}, {yaw, pitch, -0.8}};
+      hand::MountPosition start = mount;
       start.ypr += Eigen::Vector3d(0.4, -0.2, 0.3);
-      const auto found = base_near(base.pose(), start);
-      EXPECT_LT((found.pose().matrix() - base.pose().matrix()).norm(), 1e-9);
+      const auto found = mount_near(mount.pose(), start);
+      EXPECT_LT((found.pose().matrix() - mount.pose().matrix()).norm(), 1e-9);
       EXPECT_LT((found.ypr - start.ypr).norm(), 0.6);
     }
   }

@@ -13,37 +13,37 @@
 namespace palpate::skills {
 namespace {
 
-double angle_between(const hand::BasePosition& a, const hand::BasePosition& b) {
+double angle_between(const hand::MountPosition& a, const hand::MountPosition& b) {
   return rotation_distance(a.pose().linear(), b.pose().linear());
 }
 
 HeldObject some_hold(RandomStream& random) {
   HeldObject held;
-  held.T_base_object.linear() = exp_so3(random.normal3());
-  held.T_base_object.translation() = 0.1 * random.normal3();
-  held.T_base_object_flat = held.T_base_object;
+  held.T_mount_object.linear() = exp_so3(random.normal3());
+  held.T_mount_object.translation() = 0.1 * random.normal3();
+  held.T_mount_object_flat = held.T_mount_object;
   return held;
 }
 
-TEST(InHandReorientation, TakesItsShareOffTheTurnOfTheBase) {
+TEST(InHandReorientation, TakesItsShareOffTheTurnOfTheMount) {
   RandomStream random(1, "share");
   for (int i = 0; i < 100; ++i) {
-    const hand::BasePosition now{random.normal3(), 0.5 * random.normal3()};
+    const hand::MountPosition now{random.normal3(), 0.5 * random.normal3()};
     const HeldObject held = some_hold(random);
-    const hand::BasePosition wanted{random.normal3(), 0.5 * random.normal3()};
-    const Eigen::Isometry3d target = wanted.pose() * held.T_base_object;
+    const hand::MountPosition wanted{random.normal3(), 0.5 * random.normal3()};
+    const Eigen::Isometry3d target = wanted.pose() * held.T_mount_object;
     const double most = random.uniform(0.05, 0.4);
     const Eigen::Vector3d asked = share_of_fingers(now, wanted, most);
     EXPECT_NEAR(asked.norm(), std::min(most, angle_between(now, wanted)), 1e-9);
     // Held as it is then, the object comes to the target with that much less of a turn.
     const HeldObject turned = turned_in_hand(held, now, asked);
-    const Eigen::Matrix3d R = (target * turned.T_base_object.inverse()).linear();
+    const Eigen::Matrix3d R = (target * turned.T_mount_object.inverse()).linear();
     EXPECT_NEAR(rotation_distance(R, now.pose().linear()),
                 angle_between(now, wanted) - asked.norm(), 1e-6);
-    EXPECT_EQ(turned.T_base_object.translation(), held.T_base_object.translation());
+    EXPECT_EQ(turned.T_mount_object.translation(), held.T_mount_object.translation());
     // It has turned by that in the world.
-    const Eigen::Matrix3d before = now.pose().linear() * held.T_base_object.linear();
-    const Eigen::Matrix3d after = now.pose().linear() * turned.T_base_object.linear();
+    const Eigen::Matrix3d before = now.pose().linear() * held.T_mount_object.linear();
+    const Eigen::Matrix3d after = now.pose().linear() * turned.T_mount_object.linear();
     EXPECT_NEAR((log_so3(after * before.transpose()) - asked).norm(), 0, 1e-9);
   }
 }
@@ -51,12 +51,12 @@ TEST(InHandReorientation, TakesItsShareOffTheTurnOfTheBase) {
 TEST(InHandReorientation, FindsTheShorterOfTheTurnsThatReach) {
   RandomStream random(2, "reach");
   const HeldObject held = some_hold(random);
-  const hand::BasePosition base{{0, 0, 0.3}, {0.3, -0.2, 0.1}};
+  const hand::MountPosition mount{{0, 0, 0.3}, {0.3, -0.2, 0.1}};
   const auto angle_of = [&](const HeldObject& other) {
-    return rotation_distance(other.T_base_object.linear(), held.T_base_object.linear());
+    return rotation_distance(other.T_mount_object.linear(), held.T_mount_object.linear());
   };
   const auto from = [&](double least) {
-    return turn_that_reaches(held, base, {0, 0, 0}, 0.3,
+    return turn_that_reaches(held, mount, {0, 0, 0}, 0.3,
                              [&](const HeldObject& other) { return angle_of(other) > least; });
   };
   EXPECT_NEAR(from(0.1)->norm(), 0.15, 1e-9);
@@ -64,7 +64,7 @@ TEST(InHandReorientation, FindsTheShorterOfTheTurnsThatReach) {
   EXPECT_FALSE(from(0.31));
   // Towards the target before anything else.
   const Eigen::Vector3d towards(0.2, 0.1, -0.1);
-  const auto any = turn_that_reaches(held, base, towards, 0.3, [](const auto&) { return true; });
+  const auto any = turn_that_reaches(held, mount, towards, 0.3, [](const auto&) { return true; });
   EXPECT_NEAR((*any - 0.15 * towards.normalized()).norm(), 0, 1e-9);
 }
 
@@ -126,7 +126,7 @@ TEST(InHandReorientation, APoseThatDriftsEndsWithTheObjectPutBack) {
   EXPECT_LT(scene.world.truth().lowest_point, 0.002);
 }
 
-TEST(InHandReorientation, WhereFingersLetGoTheBaseTakesWhatIsLeft) {
+TEST(InHandReorientation, WhereFingersLetGoTheMountTakesWhatIsLeft) {
   HeldBox scene;
   ASSERT_TRUE(scene.picked.held);
   scene.options.place.fingers.reorient.longest = 0.1;  // one step, and no more

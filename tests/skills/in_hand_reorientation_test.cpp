@@ -57,15 +57,16 @@ TEST(SimulatedForwardModel, HoldsWhatTheHandHoldsAndDropsWhatItLetsGo) {
 
   const std::vector<hand::HandCommand> hold(30, grasp.command);
   const auto held = model.rollout(hold);
-  EXPECT_LT((held.T_base_object.translation() - settled.T_base_object.translation()).norm(), 0.001);
+  EXPECT_LT((held.T_mount_object.translation() - settled.T_mount_object.translation()).norm(),
+            0.001);
 
   std::vector<hand::HandCommand> open = hold;
   for (auto& command : open) command.positions.tail<hand::kShadowActuators - 2>().setZero();
   const auto dropped = model.rollout(open);
-  EXPECT_GT((dropped.T_base_object.translation() - settled.T_base_object.translation()).norm(),
+  EXPECT_GT((dropped.T_mount_object.translation() - settled.T_mount_object.translation()).norm(),
             0.03);
   const auto again = model.rollout(hold);
-  EXPECT_EQ(again.T_base_object.matrix(), held.T_base_object.matrix());
+  EXPECT_EQ(again.T_mount_object.matrix(), held.T_mount_object.matrix());
 
   grasp.joints[3] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW((void)model.settle(grasp, 0.1), BadInput);
@@ -85,7 +86,7 @@ TEST(SimulatedForwardModel, HasTheOptionsThatItIsGiven) {
   const simulation::ForwardModelOptions known{.hand_friction = kFriction};
   const auto usual = settled(known);
   const auto differs = [&](const simulation::ForwardModelOptions& options) {
-    return (settled(options).T_base_object.matrix() - usual.T_base_object.matrix()).norm();
+    return (settled(options).T_mount_object.matrix() - usual.T_mount_object.matrix()).norm();
   };
   EXPECT_EQ(differs(known), 0);
   EXPECT_GT(usual.tip_forces[0], 0.1);

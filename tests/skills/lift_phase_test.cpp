@@ -24,7 +24,7 @@ struct Lifting {
 
   explicit Lifting(Script script = {})
       : hand([this, script = std::move(script)](hand::HandReading& reading) {
-          reading.base_force.z() = kWeight;
+          reading.mount_force.z() = kWeight;
           for (auto& tip : reading.contacts) tip.push_back({{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}});
           if (script) script(reading, reading.time - begin_hold());
         }),
@@ -59,7 +59,7 @@ TEST(LiftPhase, HoldsWhatHangsInTheHand) {
   const auto report = lifting.lift();
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
   EXPECT_EQ(report.outcome.substr(0, 5), "held:");
-  EXPECT_NEAR(lifting.robot.command().base.xyz.z(), lifting.options.height, 1e-12);
+  EXPECT_NEAR(lifting.robot.command().mount.xyz.z(), lifting.options.height, 1e-12);
   EXPECT_NEAR(lifting.state.held_load, kWeight, 1e-12);
   EXPECT_EQ(lifting.robot.log().at(estimation::TouchEvent::held),
             lifting.robot.log().readings.size() - 1);
@@ -68,7 +68,7 @@ TEST(LiftPhase, HoldsWhatHangsInTheHand) {
 /// Fingertips that slide off as the hand rises: nothing of their forces is left at a height, m.
 Lifting::Script sliding_off(double height) {
   return [height](hand::HandReading& reading, double) {
-    const double left = std::clamp(1 - reading.base.xyz.z() / height, 0.0, 1.0);
+    const double left = std::clamp(1 - reading.mount.xyz.z() / height, 0.0, 1.0);
     for (auto& tip : reading.contacts) tip[0].f *= left;
   };
 }
@@ -77,7 +77,7 @@ TEST(LiftPhase, AGripThatGivesWayIsNoticedWhileTheObjectStandsOnTheTable) {
   double highest = 0;
   Lifting watched([&](hand::HandReading& reading, double since) {
     sliding_off(0.02)(reading, since);
-    highest = std::max(highest, reading.base.xyz.z());
+    highest = std::max(highest, reading.mount.xyz.z());
   });
   LiftPhase phase(watched.options, kWeight);
   const auto report = run_phase(phase, watched.robot, watched.state);
@@ -85,16 +85,16 @@ TEST(LiftPhase, AGripThatGivesWayIsNoticedWhileTheObjectStandsOnTheTable) {
   EXPECT_TRUE(phase.gave_way()) << report.outcome;
   EXPECT_GT(highest, 0.003);
   EXPECT_LT(highest, watched.options.trial_height);
-  EXPECT_NEAR(watched.robot.command().base.xyz.z(), 0, 1e-12) << "it is down again";
+  EXPECT_NEAR(watched.robot.command().mount.xyz.z(), 0, 1e-12) << "it is down again";
   EXPECT_FALSE(watched.robot.log().at(estimation::TouchEvent::held));
 }
 
 TEST(LiftPhase, NoticesThatTooLittleHangs) {
   Lifting light(
-      [](hand::HandReading& reading, double) { reading.base_force.z() = 0.49 * kWeight; });
+      [](hand::HandReading& reading, double) { reading.mount_force.z() = 0.49 * kWeight; });
   expect_failed(light, "lost");
   Lifting enough(
-      [](hand::HandReading& reading, double) { reading.base_force.z() = 0.51 * kWeight; });
+      [](hand::HandReading& reading, double) { reading.mount_force.z() = 0.51 * kWeight; });
   EXPECT_EQ(enough.lift().status, PhaseStatus::ok);
 }
 
@@ -106,7 +106,7 @@ Lifting::Script touching_at_the_end(std::size_t fingers) {
   };
 }
 
-TEST(LiftPhase, NoticesContactsThatAreLostWhateverTheBaseWeighs) {
+TEST(LiftPhase, NoticesContactsThatAreLostWhateverTheMountWeighs) {
   for (const std::size_t fingers : {0, 1}) {
     Lifting lifting(touching_at_the_end(fingers));
     expect_failed(lifting, "contacts lost");

@@ -14,10 +14,10 @@ TEST(LoadCalibration, FindsTheSensorsBiasAndTheWeightThatIsWronglyTakenOff) {
   RandomStream random(3);
   LoadCalibration calibration;
   for (int i = 0; i < 10; ++i) {
-    hand::BasePosition base;
-    base.ypr = {0, random.uniform(-0.3, 1.4), random.uniform(-1.6, 1.6)};
-    const Eigen::Vector3d load = base.pose().linear() * bias + weight * Eigen::Vector3d::UnitZ();
-    calibration.add(base, load + 0.03 * random.normal3());
+    hand::MountPosition mount;
+    mount.ypr = {0, random.uniform(-0.3, 1.4), random.uniform(-1.6, 1.6)};
+    const Eigen::Vector3d load = mount.pose().linear() * bias + weight * Eigen::Vector3d::UnitZ();
+    calibration.add(mount, load + 0.03 * random.normal3());
   }
   EXPECT_LT((calibration.error().bias - bias).norm(), 0.1);
   EXPECT_NEAR(calibration.error().weight, weight, 0.1);

@@ -40,11 +40,11 @@ bool touches(const hand::HandReading& reading, int finger) {
 void press(const hand::Description& model, int finger, hand::HandReading& reading) {
   const auto index = static_cast<std::size_t>(finger);
   const auto link = static_cast<std::size_t>(model.fingers[index].link);
-  const Eigen::Isometry3d T_link_base =
+  const Eigen::Isometry3d T_link_mount =
       hand::forward_kinematics(model, reading.joints)[link].inverse();
   const Eigen::Vector3d p(0.02 * (finger - 2), 0.01 * (finger % 2), 0.05);
-  const Eigen::Vector3d n = T_link_base.linear() * Eigen::Vector3d::UnitZ();
-  reading.contacts[index] = {{T_link_base * p, n, -kPress * n}};
+  const Eigen::Vector3d n = T_link_mount.linear() * Eigen::Vector3d::UnitZ();
+  reading.contacts[index] = {{T_link_mount * p, n, -kPress * n}};
 }
 
 /// A hand that holds a box with the thumb and four fingers, and a pose of the box that is in doubt.

@@ -14,18 +14,18 @@ namespace {
 
 constexpr double kHeldWeight = 2.0;  // N
 constexpr double kStiffness = 2000;  // N/m, of what is stood on
-constexpr double kGround = 0.15;     // m of the base when the object touches
+constexpr double kGround = 0.15;     // m of the mount when the object touches
 
-/// What the base carries of a hanging object over ground that is `ground` high.
+/// What the mount carries of a hanging object over ground that is `ground` high.
 void stand(hand::HandReading& reading, double ground) {
-  const double depth = std::max(0.0, ground - reading.base.xyz.z());
-  reading.base_force.z() = kHeldWeight - kStiffness * depth;
+  const double depth = std::max(0.0, ground - reading.mount.xyz.z());
+  reading.mount_force.z() = kHeldWeight - kStiffness * depth;
 }
 
 PlaceGoal goal_at(double height) {
   PlaceGoal goal;
-  goal.base.xyz << 0.1, 0.05, height;
-  goal.above = goal.base;
+  goal.mount.xyz << 0.1, 0.05, height;
+  goal.above = goal.mount;
   goal.above.xyz.z() += 0.1;
   return goal;
 }
@@ -46,7 +46,7 @@ struct Descent {
         phase({}, goal_at(expected), wall) {}
   static hand::HandCommand over(double expected) {
     hand::HandCommand command = hand::resting_command();
-    command.base = goal_at(expected).above;
+    command.mount = goal_at(expected).above;
     return command;
   }
   PhaseReport run() {
@@ -70,7 +70,7 @@ TEST(PlacePhase, StopsAtTheTableAndReleases) {
   EXPECT_TRUE(descent.robot.log().at(estimation::TouchEvent::placed));
   EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::shadow_hand().actuator("FFJ3")], 0.2);
   // No deeper than what the wanted press takes, and what three ticks of delay add.
-  EXPECT_GT(descent.robot.command().base.xyz.z(),
+  EXPECT_GT(descent.robot.command().mount.xyz.z(),
             kGround - (kHeldWeight + 1) / kStiffness - 0.0005);
   EXPECT_NEAR(descent.phase.T_world_object().translation().z(), kGround, 0.003);
 }
@@ -86,14 +86,14 @@ TEST(OpenPhase, OpensWhereTheHandIsAndMarksWhenItStillHeld) {
   hand::ActuatorVector closed = descent.robot.command().positions;
   closed[hand::shadow_hand().actuator("FFJ3")] = 0.6;
   descent.robot.move_fingers(closed, 0.1);
-  const auto base = descent.robot.command().base;
+  const auto mount = descent.robot.command().mount;
   PickState state;
   OpenPhase open({});
   EXPECT_EQ(run_phase(open, descent.robot, state).status, PhaseStatus::ok);
   const auto& log = descent.robot.log();
   ASSERT_TRUE(log.at(estimation::TouchEvent::placed));
   EXPECT_GT(hand::tip_force(log.readings[*log.at(estimation::TouchEvent::placed)], 1), 0.9);
-  EXPECT_EQ(descent.robot.command().base.xyz, base.xyz);
+  EXPECT_EQ(descent.robot.command().mount.xyz, mount.xyz);
   EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::shadow_hand().actuator("FFJ3")], 0.2);
 }
 
@@ -111,7 +111,7 @@ TEST(OpenPhase, FailsWhileTheObjectIsStillSensed) {
 TEST(PlacePhase, FollowsTheTableWhereItIsLowerThanExpected) {
   Descent descent([](auto& reading) { stand(reading, kGround - 0.008); }, 0);
   EXPECT_EQ(descent.run().status, PhaseStatus::ok);
-  EXPECT_LT(descent.robot.command().base.xyz.z(), kGround - 0.007);
+  EXPECT_LT(descent.robot.command().mount.xyz.z(), kGround - 0.007);
 }
 
 TEST(PlacePhase, AnEarlyContactIsARefusal) {
@@ -135,7 +135,7 @@ TEST(PlacePhase, WhatMeetsTheTableMuchTooEarlyIsNeitherPressedNorLost) {
     descent.run();
     EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::early) << early;
     for (const auto& reading : descent.robot.log().readings) {
-      EXPECT_GT(reading.base_force.z(), -5) << early << " m early";
+      EXPECT_GT(reading.mount_force.z(), -5) << early << " m early";
     }
   }
 }
@@ -149,16 +149,16 @@ TEST(PlacePhase, NothingSensedIsNoReasonToRelease) {
 }
 
 TEST(PlacePhase, AnEmptyHandIsNoticed) {
-  Descent descent([](auto& reading) { reading.base_force.setZero(); }, 0);
+  Descent descent([](auto& reading) { reading.mount_force.setZero(); }, 0);
   EXPECT_EQ(descent.run().status, PhaseStatus::failed);
   EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::lost);
 }
 
 TEST(PlacePhase, LooksForASlotBesideAFirstMiss) {
   constexpr double kWall = 0.006;
-  const Eigen::Vector2d slot = goal_at(kGround).base.xyz.head<2>() + Eigen::Vector2d(0.002, 0);
+  const Eigen::Vector2d slot = goal_at(kGround).mount.xyz.head<2>() + Eigen::Vector2d(0.002, 0);
   const auto script = [&](hand::HandReading& reading) {
-    const bool in = (reading.base.xyz.head<2>() - slot).norm() < 0.001;
+    const bool in = (reading.mount.xyz.head<2>() - slot).norm() < 0.001;
     stand(reading, in ? kGround : kGround + kWall);
   };
   Descent descent(script, kWall);
@@ -171,10 +171,10 @@ TEST(PlacePhase, LooksForASlotBesideAFirstMiss) {
 /// An object that sank by `sag` in the hand: that early it touches, over ground that is `ground`
 /// high, and its weight pushes it back before all of it is borne.
 void stand_sunk(hand::HandReading& reading, double ground, double sag) {
-  const double depth = ground + sag - reading.base.xyz.z();
+  const double depth = ground + sag - reading.mount.xyz.z();
   const double pushed_back = std::clamp(depth / sag, 0.0, 1.0);
   const double beyond = std::max(0.0, depth - sag);
-  reading.base_force.z() = kHeldWeight * (1 - pushed_back) - kStiffness * beyond;
+  reading.mount_force.z() = kHeldWeight * (1 - pushed_back) - kStiffness * beyond;
 }
 
 TEST(PlacePhase, AnObjectThatSankInTheHandIsInTheSlotAllTheSame) {
@@ -208,7 +208,7 @@ PhaseReport withdrawn(hand::FakeHand::Script script) {
   hand::FakeHand hand(std::move(script));
   const hand::Description model = hand::with_soft_actuators();
   hand::HandCommand command = hand::resting_command();
-  command.base.xyz.z() = 0.1;
+  command.mount.xyz.z() = 0.1;
   command.positions.setConstant(0.5);
   Executor robot(hand, model, command);
   PickState state;
@@ -220,8 +220,8 @@ TEST(WithdrawPhase, RisesFree) { EXPECT_EQ(withdrawn({}).status, PhaseStatus::ok
 TEST(WithdrawPhase, OpensWiderWhereItIsCaught) {
   const int finger = hand::shadow_hand().joint("FFJ3");
   const auto report = withdrawn([&](hand::HandReading& reading) {
-    const bool caught = reading.joints[finger] > 0.4 && reading.base.xyz.z() > 0.12;
-    reading.base_force.z() = caught ? 1.0 : 0.0;
+    const bool caught = reading.joints[finger] > 0.4 && reading.mount.xyz.z() > 0.12;
+    reading.mount_force.z() = caught ? 1.0 : 0.0;
   });
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
   EXPECT_NE(report.outcome.find("2 tries"), std::string::npos) << report.outcome;
@@ -229,7 +229,7 @@ TEST(WithdrawPhase, OpensWiderWhereItIsCaught) {
 
 TEST(WithdrawPhase, AnObjectThatComesAlongIsAFailure) {
   const auto report =
-      withdrawn([](hand::HandReading& reading) { reading.base_force.z() = kHeldWeight; });
+      withdrawn([](hand::HandReading& reading) { reading.mount_force.z() = kHeldWeight; });
   EXPECT_EQ(report.status, PhaseStatus::failed);
   EXPECT_NE(report.outcome.find("hang"), std::string::npos);
 }

@@ -34,20 +34,20 @@ TEST(PressingCommand, LeadsByTorqueOverStiffnessWithinTheRange) {
   }
 }
 
-TEST(WeightAt, PullsDownAtTheCentreInTheTurnedBasesFrame) {
+TEST(WeightAt, PullsDownAtTheCentreInTheTurnedMountsFrame) {
   const auto model = hand::with_soft_actuators(coupled_finger());
   hand::FakeHand hand;
   hand::HandCommand start = hand::resting_command();
-  start.base.xyz = {0.1, 0.2, 0.3};
-  start.base.ypr = {0.4, 0.7, -0.3};
+  start.mount.xyz = {0.1, 0.2, 0.3};
+  start.mount.ypr = {0.4, 0.7, -0.3};
   Executor robot(hand, model, start);
   robot.wait(hand::kTick);
-  const Eigen::Isometry3d T_world_base = start.base.pose();
+  const Eigen::Isometry3d T_world_mount = start.mount.pose();
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
   T_world_object.translation() << 0.05, -0.02, 0.04;
   const grasping::Load load = weight_at(robot, T_world_object, 2.5);
-  EXPECT_LT((T_world_base * load.point - T_world_object.translation()).norm(), 1e-12);
-  EXPECT_LT((T_world_base.linear() * load.force - Eigen::Vector3d(0, 0, -2.5)).norm(), 1e-12);
+  EXPECT_LT((T_world_mount * load.point - T_world_object.translation()).norm(), 1e-12);
+  EXPECT_LT((T_world_mount.linear() * load.force - Eigen::Vector3d(0, 0, -2.5)).norm(), 1e-12);
 }
 
 }  // namespace

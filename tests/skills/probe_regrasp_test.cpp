@@ -57,7 +57,7 @@ TEST(MostInformativeGrasp, HoldsEitherWayAndTouchesTheHandle) {
   EXPECT_LE(grasp->expected_gain.information, std::log(2.0) + 1e-9);
   for (const auto& mode : mugs.posterior.modes) {
     const auto closed = grasping::close_virtually(mugs.object, mode.T_frame_object, mugs.tool.path,
-                                                  grasp->plan.base, mugs.options.plan);
+                                                  grasp->plan.mount, mugs.options.plan);
     ASSERT_TRUE(closed);
     EXPECT_LT(closed->cost, mugs.options.worst_cost);
   }

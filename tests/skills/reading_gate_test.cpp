@@ -46,7 +46,7 @@ FaultReport fault_while_waiting(hand::FakeHand::Script script, double seconds) {
 
 TEST(ReadingGate, AMountThatDriftsAwayIsNamed) {
   const FaultReport fault = fault_while_waiting(
-      [](HandReading& reading) { reading.base.xyz.x() += 0.005 * reading.time; }, 60);
+      [](HandReading& reading) { reading.mount.xyz.x() += 0.005 * reading.time; }, 60);
   EXPECT_EQ(fault.fault, Fault::joint_stuck);
   EXPECT_TRUE(fault.detail.starts_with("the mount moves")) << fault.detail;
   EXPECT_NEAR(fault.time, 0.05 / 0.005 + 4 * SafetyOptions{}.tracking_time, 0.05);

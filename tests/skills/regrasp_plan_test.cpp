@@ -66,11 +66,11 @@ void expect_sound(const Table& table, const RegraspPlan& plan, const Eigen::Isom
   for (const Transfer& transfer : plan.transfers) {
     EXPECT_TRUE(transfer.T_world_from.isApprox(at, 1e-6));
     ASSERT_TRUE(transfer.grasp);
-    const Eigen::Isometry3d held = transfer.grasp->base.pose().inverse() * transfer.T_world_from;
+    const Eigen::Isometry3d held = transfer.grasp->mount.pose().inverse() * transfer.T_world_from;
     EXPECT_TRUE((transfer.release.pose() * held).isApprox(transfer.T_world_to, 1e-6));
-    for (const auto& base : {transfer.grasp->base, transfer.release}) {
-      scene.place(base.pose() * held);
-      const auto pair = scene.deepest_collision(base, open);
+    for (const auto& mount : {transfer.grasp->mount, transfer.release}) {
+      scene.place(mount.pose() * held);
+      const auto pair = scene.deepest_collision(mount, open);
       EXPECT_FALSE(pair) << pair->first << " and " << pair->second << " " << pair->depth;
     }
     at = transfer.T_world_to;
@@ -168,7 +168,7 @@ TEST(PlanRegrasp, StartsFromTheHandThatHoldsTheObject) {
   ASSERT_TRUE(free.found);
   const grasping::GraspPlan& grasp = *free.transfers.front().grasp;
   Holding holding;
-  holding.base = grasp.base;
+  holding.mount = grasp.mount;
   const hand::Description& hand = table.world.hand_model();
   holding.joints = hand::joints_in_free_flexion(hand, hand.postures.top.open);
   const auto plan = table.plan(from, to, holding);

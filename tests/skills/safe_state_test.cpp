@@ -23,7 +23,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 TEST(SafeState, AStoppedFingerHoldsOnLightly) {
   hand::FakeHand fake([](HandReading& reading) {
     reading.joints[hand::shadow_hand().joint("FFJ3")] = 0.2;  // it is held back there
-    reading.base_force.z() = reading.time > 1 ? 90 : 0;
+    reading.mount_force.z() = reading.time > 1 ? 90 : 0;
   });
   Executor robot(fake, kSoftHand, hand::resting_command());
   hand::ActuatorVector posture = hand::ActuatorVector::Zero(hand::kShadowActuators);
@@ -40,7 +40,7 @@ TEST(SafeState, AStoppedHandKeepsWhatItHolds) {
   for (const bool holds : {false, true}) {
     hand::FakeHand fake([](HandReading& reading) {
       reading.joints[hand::shadow_hand().joint("FFJ3")] = 0.2;  // it is held back there
-      if (reading.time > 1) reading.base_force.x() = kNan;
+      if (reading.time > 1) reading.mount_force.x() = kNan;
     });
     Executor robot(fake, kSoftHand, hand::resting_command());
     hand::ActuatorVector posture = hand::ActuatorVector::Zero(hand::kShadowActuators);
@@ -74,17 +74,17 @@ TEST(SafeState, DrivesAreStoppedThoughTheHandKeepsThrowing) {
 }
 
 TEST(SafeState, WhoLooksOnCannotKeepTheHandFromGivingWay) {
-  hand::FakeHand fake([](HandReading& reading) { reading.base.xyz.x() = 0; });  // it is blocked
+  hand::FakeHand fake([](HandReading& reading) { reading.mount.xyz.x() = 0; });  // it is blocked
   Executor::Observer observer;
   observer.on_tick = [](const HandReading& reading, const hand::HandCommand&) {
     if (reading.time > 0.5) throw std::runtime_error("the disk is full");
   };
   Executor robot(fake, kSoftHand, hand::resting_command(), observer);
-  hand::BasePosition far;
+  hand::MountPosition far;
   far.xyz.x() = 0.04;
-  EXPECT_ANY_THROW(robot.move_base(far, 0.05));
+  EXPECT_ANY_THROW(robot.move_mount(far, 0.05));
   robot.make_safe(Fault::exception, "the disk is full");
-  EXPECT_NEAR(robot.command().base.xyz.x(), 0, 1e-9);
+  EXPECT_NEAR(robot.command().mount.xyz.x(), 0, 1e-9);
 }
 
 /// No executor is made then, whose destructor could stop them.
@@ -137,25 +137,25 @@ TEST(SafeState, ARequestToStopLetsNoCommandPassTheGate) {
   robot.wait(0.1);
   source.request_stop();
   hand::HandCommand far = robot.command();
-  far.base.xyz.x() = 0.9;
+  far.mount.xyz.x() = 0.9;
   far.positions[3] = kNan;
   EXPECT_THROW(robot.follow(std::vector{far}), SafetyStop);
   EXPECT_EQ(robot.fault().fault, Fault::stop_requested);
   for (const auto& command : recording.commands) {
     EXPECT_TRUE(command.positions.allFinite());
-    EXPECT_LT(command.base.xyz.norm(), 1e-9);
+    EXPECT_LT(command.mount.xyz.norm(), 1e-9);
   }
 }
 
 TEST(SafeState, AHandThatStandsElsewhereIsLeftThere) {
-  StallingHand mount([](HandReading& reading) { reading.base.xyz.x() = 0.4; });
+  StallingHand mount([](HandReading& reading) { reading.mount.xyz.x() = 0.4; });
   Executor robot(mount, kSoftHand, hand::resting_command());
   EXPECT_EQ(robot.fault().fault, Fault::not_at_start);
   EXPECT_EQ(to_string(robot.fault().fault), "not_at_start");
   EXPECT_TRUE(robot.fault().detail.starts_with("the mount is 0.400 m")) << robot.fault().detail;
   EXPECT_THROW(robot.wait(0.1), SafetyStop);
   for (std::size_t i = 1; i < mount.commands.size(); ++i) {
-    EXPECT_NEAR(mount.commands[i].base.xyz.x(), 0.4, 1e-9);
+    EXPECT_NEAR(mount.commands[i].mount.xyz.x(), 0.4, 1e-9);
   }
   StallingHand fist(
       [](HandReading& reading) { reading.joints[hand::shadow_hand().joint("FFJ3")] = 1.2; });

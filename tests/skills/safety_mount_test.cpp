@@ -21,11 +21,11 @@ TEST(SafetyOfTheMount, AMountThatDoesNotFollowIsNamed) {
   hand::FaultyHand faulty(fake, {.fault = InjectedFault::mount_stuck, .from = kFrom});
   Executor robot(faulty, kSoftHand, hand::resting_command());
   robot.wait(2 * kFrom);
-  hand::BasePosition away = robot.command().base;
+  hand::MountPosition away = robot.command().mount;
   away.xyz.x() += 0.1;
   EXPECT_THROW(
       {
-        robot.move_base(away, 0.2);
+        robot.move_mount(away, 0.2);
         robot.wait(1);
       },
       SafetyStop);
@@ -36,13 +36,13 @@ TEST(SafetyOfTheMount, AMountThatDoesNotFollowIsNamed) {
 /// An arm that is where it is commanded to be, until it says nothing more.
 struct SilencedArm : hand::Arm {
   std::string name() const override { return "lift"; }
-  void move(const hand::BasePosition& to) override { target = to; }
+  void move(const hand::MountPosition& to) override { target = to; }
   std::optional<hand::ArmReading> read() override {
     if (++reads > 20) return std::nullopt;
     const double ripple = reads % 2 == 0 ? 1e-12 : 0;
     return hand::ArmReading{target, {ripple, 0, 2}};
   }
-  hand::BasePosition target;
+  hand::MountPosition target;
   int reads = 0;
 };
 
@@ -51,9 +51,9 @@ TEST(SafetyOfTheMount, AnArmThatSaysNothingMoreIsNamed) {
   SilencedArm arm;
   hand::AssembledHand hand(fingers, &arm, {});
   Executor robot(hand, kSoftHand, hand::resting_command());
-  hand::BasePosition far;
+  hand::MountPosition far;
   far.xyz.x() = 0.5;
-  EXPECT_THROW(robot.move_base(far, 0.05), SafetyStop);
+  EXPECT_THROW(robot.move_mount(far, 0.05), SafetyStop);
   EXPECT_EQ(robot.fault().fault, Fault::silent);
   EXPECT_EQ(robot.fault().detail, "the arm 'lift': no new reading for 0.25 s");
   EXPECT_LT(arm.target.xyz.x(), 0.012);  // it was not moved on

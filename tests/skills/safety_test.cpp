@@ -28,14 +28,14 @@ constexpr double kDetect = 0.05;  // s within which the hand must stand still
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 const hand::Description kSoftHand = hand::with_soft_actuators();
 
-/// A hand that notes when its base was last commanded to move on.
+/// A hand that notes when its mount was last commanded to move on.
 class WatchedHand : public hand::Hand {
  public:
   explicit WatchedHand(hand::Hand& hand) : hand_(hand) {}
   HandReading step(const hand::HandCommand& command) override {
     ++steps;
-    if (command.base.xyz.x() > before_) last_advance = steps * kTick;
-    before_ = command.base.xyz.x();
+    if (command.mount.xyz.x() > before_) last_advance = steps * kTick;
+    before_ = command.mount.xyz.x();
     return hand_.step(command);
   }
   int steps = 0;
@@ -54,7 +54,7 @@ struct FaultyScene {
             const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
             reading.contacts[i] = {{0.01 * up, up, -0.5 * up}};
           }
-          reading.base_force.z() = 2;
+          reading.mount_force.z() = 2;
           if (script) script(reading);
         }),
         faulty(fake, schedule),
@@ -63,10 +63,10 @@ struct FaultyScene {
 
   /// Moves on until something stops it.
   FaultReport run(double seconds = 3) {
-    hand::BasePosition far;
+    hand::MountPosition far;
     far.xyz.x() = 0.05 * seconds;
     try {
-      robot.move_base(far, 0.05);
+      robot.move_mount(far, 0.05);
     } catch (const SafetyStop& stop) {
       return stop.report();
     }
@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(Safety, EveryFault,
 TEST(Safety, AFrozenLoadIsNoticedAfterItsErrorsAreKnown) {
   for (const InjectedFault fault : {InjectedFault::load_zero, InjectedFault::load_frozen}) {
     FaultyScene scene({.fault = fault, .from = kFrom}, [](HandReading& reading) {
-      reading.base.ypr.x() += 1e-3 * std::sin(1000 * reading.time);
+      reading.mount.ypr.x() += 1e-3 * std::sin(1000 * reading.time);
     });
     scene.robot.set_load_error({{0.2, 0.1, -0.1}, 0.5});
     EXPECT_EQ(to_string(scene.run().fault), to_string(Fault::frozen));
@@ -150,7 +150,7 @@ TEST(Safety, StandsStillInAGapAndKeepsNothingOfIt) {
   const auto& readings = scene.robot.log().readings;
   for (std::size_t i = 1; i < readings.size(); ++i) {
     EXPECT_GT(readings[i].time, readings[i - 1].time);
-    EXPECT_LT(readings[i].base.xyz.x() - readings[i - 1].base.xyz.x(), 0.05 * kTick * 1.001);
+    EXPECT_LT(readings[i].mount.xyz.x() - readings[i - 1].mount.xyz.x(), 0.05 * kTick * 1.001);
   }
   EXPECT_NEAR(scene.hand.steps - static_cast<double>(readings.size()), 20, 1);
 }
@@ -165,23 +165,23 @@ TEST(Safety, DropsWhatAFaultyFingertipSenses) {
 }
 
 TEST(Safety, TooMuchLoadEndsInABaseThatGivesWay) {
-  // An obstacle at 0.02 m, as stiff as the drives: the base stays there.
+  // An obstacle at 0.02 m, as stiff as the drives: the mount stays there.
   FaultyScene scene({}, [](HandReading& reading) {
-    const double pushed = reading.base.xyz.x() - 0.02;
+    const double pushed = reading.mount.xyz.x() - 0.02;
     if (pushed <= 0) return;
-    reading.base_force.x() = 4000 * pushed;
-    reading.base.xyz.x() = 0.02;
+    reading.mount_force.x() = 4000 * pushed;
+    reading.mount.xyz.x() = 0.02;
   });
   const FaultReport report = scene.run();
   EXPECT_EQ(report.fault, Fault::excess_force);
   EXPECT_LT(scene.faulty.peak_load(), 45);
-  EXPECT_LT(scene.robot.reading().base_force.norm(), 5);
+  EXPECT_LT(scene.robot.reading().mount_force.norm(), 5);
 }
 
 TEST(Safety, LoadThatNoFingertipSensesIsNamed) {
   FaultyScene scene({}, [](HandReading& reading) {
     for (auto& contacts : reading.contacts) contacts.clear();
-    if (reading.time > kFrom) reading.base_force.x() = 100 * (reading.time - kFrom);
+    if (reading.time > kFrom) reading.mount_force.x() = 100 * (reading.time - kFrom);
   });
   EXPECT_EQ(scene.run().fault, Fault::unsensed_load);
 }
@@ -194,11 +194,11 @@ TEST(Safety, ImpossibleValuesAreNamed) {
     return scene.run().fault;
   };
   EXPECT_EQ(fault_of([](HandReading& r) { r.joints[3] = 7; }), Fault::out_of_range);
-  EXPECT_EQ(fault_of([](HandReading& r) { r.base.xyz.y() = 40; }), Fault::out_of_range);
-  EXPECT_EQ(fault_of([](HandReading& r) { r.base_force.x() = 900; }), Fault::out_of_range);
+  EXPECT_EQ(fault_of([](HandReading& r) { r.mount.xyz.y() = 40; }), Fault::out_of_range);
+  EXPECT_EQ(fault_of([](HandReading& r) { r.mount_force.x() = 900; }), Fault::out_of_range);
   EXPECT_EQ(fault_of([](HandReading& r) { r.joints[3] = 1; }), Fault::implausible_change);
-  EXPECT_EQ(fault_of([](HandReading& r) { r.base.xyz.y() = 0.8; }), Fault::implausible_change);
-  EXPECT_EQ(fault_of([](HandReading& r) { r.base.ypr.y() = kNan; }), Fault::not_finite);
+  EXPECT_EQ(fault_of([](HandReading& r) { r.mount.xyz.y() = 0.8; }), Fault::implausible_change);
+  EXPECT_EQ(fault_of([](HandReading& r) { r.mount.ypr.y() = kNan; }), Fault::not_finite);
 }
 
 TEST(Safety, AReadingOfAnotherHandsSizeIsNamed) {
@@ -255,13 +255,13 @@ TEST(Safety, AJointThatDoesNotFollowIsNamed) {
 }
 
 TEST(Safety, AFaultLastsAsLongAsItIsTo) {
-  hand::FakeHand fake([](HandReading& reading) { reading.base_force.z() = 2; });
+  hand::FakeHand fake([](HandReading& reading) { reading.mount_force.z() = 2; });
   int onsets = 0;
   hand::FaultyHand faulty(fake, {.fault = InjectedFault::load_zero, .from = kFrom, .length = 0.1},
                           [&] { ++onsets; });
   int without = 0;
   for (int tick = 1; tick <= 60; ++tick) {
-    without += faulty.step(hand::resting_command()).base_force.z() == 0;
+    without += faulty.step(hand::resting_command()).mount_force.z() == 0;
   }
   EXPECT_NEAR(without, 10, 1);  // the time stamps are rounded
   EXPECT_EQ(onsets, 1);
@@ -269,11 +269,11 @@ TEST(Safety, AFaultLastsAsLongAsItIsTo) {
 
 TEST(Safety, ACommandThatIsNotFiniteNeverReachesTheHand) {
   FaultyScene scene({});
-  hand::BasePosition nowhere;
+  hand::MountPosition nowhere;
   nowhere.xyz.z() = kNan;
-  EXPECT_THROW(scene.robot.move_base(nowhere, 0.1), SafetyStop);
+  EXPECT_THROW(scene.robot.move_mount(nowhere, 0.1), SafetyStop);
   EXPECT_EQ(scene.robot.fault().fault, Fault::invalid_command);
-  EXPECT_TRUE(scene.robot.reading().base.xyz.allFinite());
+  EXPECT_TRUE(scene.robot.reading().mount.xyz.allFinite());
 }
 
 TEST(Safety, AFullLogStopsTheRobot) {
@@ -335,9 +335,9 @@ class ThrowingPhase : public Phase {
   std::string_view name() const override { return "throwing"; }
   double time_limit() const override { return 10; }
   PhaseEnd run(Executor& robot, PickState&) override {
-    hand::BasePosition far;
+    hand::MountPosition far;
     far.xyz.x() = 0.1;
-    robot.move_base(far, 0.05);
+    robot.move_mount(far, 0.05);
     throw std::logic_error("a mistake");
   }
 };

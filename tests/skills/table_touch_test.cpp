@@ -107,20 +107,20 @@ TEST(TableTouchChoice, TurnsTheHandAboutTheObject) {
   const TableTouchChoice choice = box.choice();
   TableTouch touch;
   touch.turn = {0.3, 0, 0};
-  const Eigen::Isometry3d T = choice.turned_base(touch);
+  const Eigen::Isometry3d T = choice.turned_mount(touch);
   const Eigen::Vector3d centroid =
       box.posterior.modes[0].T_frame_object * box.object.object().mass_properties.centroid;
-  EXPECT_NEAR((T * centroid - centroid).norm(), 0, 1e-9);  // the base stood at the origin
+  EXPECT_NEAR((T * centroid - centroid).norm(), 0, 1e-9);  // the mount stood at the origin
   EXPECT_NEAR(rotation_distance(T.linear(), Eigen::Matrix3d::Identity()), 0.3, 1e-9);
   EXPECT_NEAR(choice.height(), centroid.z(), 1e-12);
 }
 
-/// A hand from which a box hangs whose lowest point is this far below the base, at any attitude,
+/// A hand from which a box hangs whose lowest point is this far below the mount, at any attitude,
 /// over a table that bears whatever comes lower.
 hand::FakeHand::Script box_over_table(double below) {
   return [below](hand::HandReading& reading) {
-    const double sunk = std::max(0.0, below - reading.base.xyz.z());
-    reading.base_force = {0, 0, 2 - 2000 * sunk};
+    const double sunk = std::max(0.0, below - reading.mount.xyz.z());
+    reading.mount_force = {0, 0, 2 - 2000 * sunk};
   };
 }
 
@@ -129,7 +129,7 @@ struct Lowering {
   explicit Lowering(double below) : hand(box_over_table(below)) { robot.wait(0.05); }
   static hand::HandCommand start() {
     hand::HandCommand command = hand::resting_command();
-    command.base.xyz.z() = 0.35;
+    command.mount.xyz.z() = 0.35;
     return command;
   }
   HangingBox box{0.02};
@@ -143,7 +143,7 @@ TEST(TouchTable, GoesDownUntilTheTableBearsAndUpAgain) {
   Lowering hand(kBelow);
   TableTouch touch;
   touch.turn = {0.3, 0, 0};
-  const double stands = hand.choice.turned_base(touch).translation().z();
+  const double stands = hand.choice.turned_mount(touch).translation().z();
   touch.lowest = stands - kBelow - hand.choice.height() + 0.003;  // 3 mm off
   touch.sigma = 0.002;
   const auto lowest = touch_table(hand.robot, hand.choice, touch, 1);
@@ -152,7 +152,7 @@ TEST(TouchTable, GoesDownUntilTheTableBearsAndUpAgain) {
   EXPECT_EQ(hand.robot.log().all(estimation::TouchEvent::table_touched).size(), 1u);
   const double turns = hand.choice.height() - hand.choice.travel_height();
   EXPECT_GT(turns, 0.05) << "lower than where it was held";
-  EXPECT_NEAR(hand.robot.reading().base.xyz.z(), stands - turns, 0.002) << "did not go up again";
+  EXPECT_NEAR(hand.robot.reading().mount.xyz.z(), stands - turns, 0.002) << "did not go up again";
 }
 
 /// As what has slipped in the hand does.
@@ -162,14 +162,14 @@ TEST(TouchTable, WhatMeetsTheTableMuchTooEarlyIsNotPressedHard) {
   touch.sigma = 0.001;
   const Lowering free(0.2);
   const TableTouchChoice& choice = free.choice;
-  const double stands = choice.turned_base(touch).translation().z();
+  const double stands = choice.turned_mount(touch).translation().z();
   const double turned = stands - choice.height() + choice.travel_height();
   Lowering hand(turned - 0.025);
   touch.lowest = 0.05 - choice.travel_height();  // 25 mm lower than there
   touch_table(hand.robot, hand.choice, touch, 1);
   double most = 0;  // N
   for (const auto& reading : hand.robot.log().readings) {
-    most = std::max(most, 2 - reading.base_force.z());
+    most = std::max(most, 2 - reading.mount_force.z());
   }
   EXPECT_GT(most, 1.5) << "it has met the table";
   EXPECT_LT(most, 15);
@@ -191,7 +191,7 @@ TEST(TouchTable, LetsNothingDownWhereNothingHangs) {
   touch.lowest = -0.05;
   touch.sigma = 0.002;
   EXPECT_FALSE(touch_table(hand.robot, hand.choice, touch, 3));  // 2 N hang
-  EXPECT_GT(hand.robot.reading().base.xyz.z(), 0.26);
+  EXPECT_GT(hand.robot.reading().mount.xyz.z(), 0.26);
   EXPECT_TRUE(hand.robot.log().all(estimation::TouchEvent::table_touched).empty());
 }
 

@@ -19,7 +19,7 @@ struct OverTheTable {
   explicit OverTheTable(bool senses)
       : hand([senses](hand::HandReading& reading) {
           if (estimation::lowest_of_hand(soft_shadow(), reading) > 0) return;
-          reading.base_force.z() = -6;
+          reading.mount_force.z() = -6;
           const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
           if (senses) reading.contacts[kFinger] = {{0.01 * up, up, -2 * up}};
         }),

@@ -58,11 +58,11 @@ struct Standing {
     hand::HandReading reading = hand::resting_reading();
     for (std::size_t i = 0; i < readings; ++i) {
       reading.time = static_cast<double>(i) * hand::kTick;
-      reading.base.xyz.z() += 0.001;
+      reading.mount.xyz.z() += 0.001;
       log.readings.push_back(reading);
     }
     localization::Mode mode;
-    mode.T_frame_object = log.readings[0].base.pose();
+    mode.T_frame_object = log.readings[0].mount.pose();
     mode.weight = 1;
     mode.covariance = 1e-6 * Matrix6d::Identity();
     start.modes = {mode};
@@ -81,7 +81,7 @@ TEST(Track, StaysInTheHandThatRises) {
   const auto tracked = scene.track(0, 59);
   ASSERT_EQ(tracked.looks.size(), 4u);  // the first needs readings before it
   for (const auto& look : tracked.looks) {
-    EXPECT_LT(look.T_base_object.translation().norm(), 1e-6);
+    EXPECT_LT(look.T_mount_object.translation().norm(), 1e-6);
   }
   EXPECT_EQ(tracked.slips, 0);
 }

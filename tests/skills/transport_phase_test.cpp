@@ -17,7 +17,7 @@ constexpr double kWeight = 3.0;  // N
 /// A hand on what takes so many times as long as wanted.
 struct SlowlyCarriedHand : hand::FakeHand {
   using hand::FakeHand::FakeHand;
-  hand::PathFeasibility check_path(std::span<const hand::BasePosition>) const override {
+  hand::PathFeasibility check_path(std::span<const hand::MountPosition>) const override {
     hand::PathFeasibility answer;
     answer.stretch = stretch;
     return answer;
@@ -25,25 +25,25 @@ struct SlowlyCarriedHand : hand::FakeHand {
   double stretch = 1;
 };
 
-/// A hand that holds a box 25 cm below its base, 30 cm over the table.
+/// A hand that holds a box 25 cm below its mount, 30 cm over the table.
 struct Carrying {
   explicit Carrying(hand::FakeHand::Script script)
       : hand([script = std::move(script)](hand::HandReading& reading) {
-          reading.base_force.z() = kWeight;
+          reading.mount_force.z() = kWeight;
           for (auto& tip : reading.contacts) tip.push_back({{0, 0, 0.02}, {0, 1, 0}, {0, -1, 0}});
           if (script) script(reading);
         }),
         robot(hand, model, waiting()) {
     robot.wait(0.3);
-    goal.T_base_object.translation() << 0, 0, -0.25;
-    goal.base.xyz << 0.2, 0.1, 0.42;
-    goal.base.ypr << 0.8, 0, 0;
-    goal.above = goal.base;
+    goal.T_mount_object.translation() << 0, 0, -0.25;
+    goal.mount.xyz << 0.2, 0.1, 0.42;
+    goal.mount.ypr << 0.8, 0, 0;
+    goal.above = goal.mount;
     goal.above.xyz.z() += 0.1;
   }
   static hand::HandCommand waiting() {
     hand::HandCommand command = hand::resting_command();
-    command.base.xyz.z() = 0.6;
+    command.mount.xyz.z() = 0.6;
     return command;
   }
   PhaseReport run(const TransportOptions& options = {}) {
@@ -70,14 +70,14 @@ TEST(TransportPhase, EndsOverTheGoalWithinItsLimits) {
   const auto report = carrying.run();
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
   EXPECT_NE(report.outcome.find("at most 0.0 mm behind"), std::string::npos) << report.outcome;
-  EXPECT_LT((carrying.robot.command().base.xyz - carrying.goal.above.xyz).norm(), 1e-9);
-  EXPECT_LT((carrying.robot.command().base.ypr - carrying.goal.above.ypr).norm(), 1e-9);
+  EXPECT_LT((carrying.robot.command().mount.xyz - carrying.goal.above.xyz).norm(), 1e-9);
+  EXPECT_LT((carrying.robot.command().mount.ypr - carrying.goal.above.ypr).norm(), 1e-9);
   const auto& readings = carrying.robot.log().readings;
   const TransportOptions options;
   for (std::size_t i = 1; i < readings.size(); ++i) {
-    const Eigen::Vector3d step = readings[i].base.xyz - readings[i - 1].base.xyz;
+    const Eigen::Vector3d step = readings[i].mount.xyz - readings[i - 1].mount.xyz;
     EXPECT_LE(step.cwiseAbs().maxCoeff(),
-              options.plan.limits.base_speed * ::palpate::hand::kTick + 1e-9);
+              options.plan.limits.mount_speed * ::palpate::hand::kTick + 1e-9);
     // The fingers keep still.
     EXPECT_LT((readings[i].joints - readings[0].joints).cwiseAbs().maxCoeff(), 1e-9);
   }
@@ -90,13 +90,13 @@ TEST(TransportPhase, ASlowArmStretchesTheMotion) {
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
   EXPECT_NE(report.outcome.find("at most 0.0 mm behind"), std::string::npos) << report.outcome;
   EXPECT_NEAR(report.robot_seconds - quick.robot_seconds, 0.5 * fast.motion.duration(), 0.02);
-  EXPECT_LT((slow.robot.command().base.xyz - slow.goal.above.xyz).norm(), 1e-9);
+  EXPECT_LT((slow.robot.command().mount.xyz - slow.goal.above.xyz).norm(), 1e-9);
 }
 
 TEST(TransportPhase, TheFingersBearTheWeightAsTheHandTurns) {
   for (const bool bears : {true, false}) {
     Carrying carrying({});
-    carrying.goal.base.ypr.y() = carrying.goal.above.ypr.y() = 0.6;
+    carrying.goal.mount.ypr.y() = carrying.goal.above.ypr.y() = 0.6;
     const hand::ActuatorVector before = carrying.robot.command().positions;
     TransportOptions options;
     options.bear_weight = bears;
@@ -110,17 +110,17 @@ TEST(TransportPhase, TheFingersBearTheWeightAsTheHandTurns) {
 
 TEST(TransportPhase, NoticesTheLossOfTouch) {
   Carrying carrying([](hand::HandReading& reading) {
-    if (reading.base.xyz.x() < 0.1) return;
+    if (reading.mount.xyz.x() < 0.1) return;
     for (auto& tip : reading.contacts) tip.clear();
   });
   EXPECT_EQ(carrying.run().status, PhaseStatus::failed);
   EXPECT_TRUE(carrying.lost);
-  EXPECT_LT(carrying.robot.command().base.xyz.x(), 0.19);  // it stopped on the way
+  EXPECT_LT(carrying.robot.command().mount.xyz.x(), 0.19);  // it stopped on the way
 }
 
 TEST(TransportPhase, NoticesTheLossOfWeight) {
   Carrying carrying([](hand::HandReading& reading) {
-    if (reading.base.xyz.x() > 0.1) reading.base_force.z() = 0.1;
+    if (reading.mount.xyz.x() > 0.1) reading.mount_force.z() = 0.1;
   });
   const auto report = carrying.run();
   EXPECT_EQ(report.status, PhaseStatus::failed);
@@ -129,7 +129,7 @@ TEST(TransportPhase, NoticesTheLossOfWeight) {
 
 TEST(TransportPhase, NoticesSlip) {
   Carrying carrying([](hand::HandReading& reading) {
-    if (reading.base.xyz.x() < 0.1) return;
+    if (reading.mount.xyz.x() < 0.1) return;
     for (auto& tip : reading.contacts) tip[0].p.z() -= 0.02;
   });
   const auto report = carrying.run();
@@ -144,37 +144,37 @@ TEST(TransportPhase, AGoalInTheTableIsNoGoal) {
   const auto report = carrying.run();
   EXPECT_EQ(report.status, PhaseStatus::failed);
   EXPECT_NE(report.outcome.find("table"), std::string::npos) << report.outcome;
-  EXPECT_EQ(carrying.robot.command().base.xyz, Carrying::waiting().base.xyz);
+  EXPECT_EQ(carrying.robot.command().mount.xyz, Carrying::waiting().mount.xyz);
 }
 
 TEST(FindGoal, BringsTheObjectToTheTarget) {
   const auto box = geometry::load_known_object("box");
   Carrying carrying({});
   HeldObject held;
-  held.T_base_object.translation() << 0.01, 0.02, -0.3;
-  held.T_base_object_flat = held.T_base_object;
-  held.T_base_object_flat.linear() = box.stable_poses[0].R_table_object;
+  held.T_mount_object.translation() << 0.01, 0.02, -0.3;
+  held.T_mount_object_flat = held.T_mount_object;
+  held.T_mount_object_flat.linear() = box.stable_poses[0].R_table_object;
   held.found_stable_pose = 0;
   const auto target = resting_pose(box, 0, {0.2, 0.1}, 2.0);
   const auto search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});
   ASSERT_TRUE(search.goal) << search.obstacle;
   EXPECT_TRUE(search.same_stable_pose);
-  const Eigen::Isometry3d there = search.goal->base.pose() * search.goal->T_base_object;
+  const Eigen::Isometry3d there = search.goal->mount.pose() * search.goal->T_mount_object;
   EXPECT_LT((there.matrix() - search.goal->T_world_object.matrix()).norm(), 1e-9);
   const auto error = localization::pose_error(there, target, box.symmetries);
   EXPECT_LT(error.rotation, 1e-6);
   EXPECT_LT(error.translation, 1e-9);
-  EXPECT_LT(std::abs(search.goal->base.ypr.x()), 1.6);  // the box is the same from behind
+  EXPECT_LT(std::abs(search.goal->mount.ypr.x()), 1.6);  // the box is the same from behind
 }
 
 TEST(FindGoal, KnowsHowMuchLowerTheObjectHangs) {
   const auto box = geometry::load_known_object("box");
   Carrying carrying({});
   HeldObject held;
-  held.T_base_object_flat.translation() << 0, 0, -0.3;
-  held.T_base_object_flat.linear() = box.stable_poses[0].R_table_object;
-  held.T_base_object = held.T_base_object_flat;
-  held.T_base_object.translation().z() -= 0.009;
+  held.T_mount_object_flat.translation() << 0, 0, -0.3;
+  held.T_mount_object_flat.linear() = box.stable_poses[0].R_table_object;
+  held.T_mount_object = held.T_mount_object_flat;
+  held.T_mount_object.translation().z() -= 0.009;
   const auto target = resting_pose(box, 0, {0.2, 0.1}, 0.0);
   const auto search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});
   ASSERT_TRUE(search.goal) << search.obstacle;
@@ -185,14 +185,14 @@ TEST(FindGoal, SaysWhatIsInTheWay) {
   const auto box = geometry::load_known_object("box");
   Carrying carrying({});
   HeldObject held;
-  held.T_base_object_flat.translation() << 0, 0, 0.05;  // over the hand: it would be in the table
-  held.T_base_object_flat.linear() = box.stable_poses[0].R_table_object;
+  held.T_mount_object_flat.translation() << 0, 0, 0.05;  // over the hand: it would be in the table
+  held.T_mount_object_flat.linear() = box.stable_poses[0].R_table_object;
   const auto target = resting_pose(box, 0, {0.2, 0.1}, 0.0);
   auto search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});
   EXPECT_FALSE(search.goal);
   EXPECT_NE(search.obstacle.find("table"), std::string::npos) << search.obstacle;
 
-  held.T_base_object_flat.translation() << 2, 0, -0.3;
+  held.T_mount_object_flat.translation() << 2, 0, -0.3;
   search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});
   EXPECT_FALSE(search.goal);
   EXPECT_NE(search.obstacle.find("out of reach"), std::string::npos) << search.obstacle;

@@ -14,7 +14,7 @@ const hand::Description kSoftHand = hand::with_soft_actuators();
 
 /// A hand whose mount is carried by what judges every path in the same way.
 struct CarriedHand : hand::FakeHand {
-  hand::PathFeasibility check_path(std::span<const hand::BasePosition>) const override {
+  hand::PathFeasibility check_path(std::span<const hand::MountPosition>) const override {
     return answer;
   }
   hand::PathFeasibility answer;
@@ -30,7 +30,7 @@ std::vector<hand::HandCommand> straight_way(const Executor& robot, int ticks) {
   std::vector<hand::HandCommand> way;
   for (int i = 1; i <= ticks; ++i) {
     way.push_back(robot.command());
-    way.back().base.xyz.x() += 5e-4 * i;
+    way.back().mount.xyz.x() += 5e-4 * i;
   }
   return way;
 }
@@ -38,18 +38,18 @@ std::vector<hand::HandCommand> straight_way(const Executor& robot, int ticks) {
 TEST(StretchedWay, KeepsToTheLinesBetweenTheCommands) {
   const hand::HandCommand from = hand::resting_command();
   std::vector<hand::HandCommand> way(4, from);
-  for (int i = 0; i < 4; ++i) way[static_cast<std::size_t>(i)].base.xyz.x() = i < 2 ? i + 1 : 2;
-  for (int i = 2; i < 4; ++i) way[static_cast<std::size_t>(i)].base.xyz.y() = i - 1;
+  for (int i = 0; i < 4; ++i) way[static_cast<std::size_t>(i)].mount.xyz.x() = i < 2 ? i + 1 : 2;
+  for (int i = 2; i < 4; ++i) way[static_cast<std::size_t>(i)].mount.xyz.y() = i - 1;
   const auto same = stretched(from, way, 4);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(same[i].base.xyz, way[i].base.xyz);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(same[i].mount.xyz, way[i].mount.xyz);
   const auto slow = stretched(from, way, 6);
   ASSERT_EQ(slow.size(), 6u);
-  EXPECT_EQ(slow.back().base.xyz, way.back().base.xyz);
-  Eigen::Vector3d before = from.base.xyz;
+  EXPECT_EQ(slow.back().mount.xyz, way.back().mount.xyz);
+  Eigen::Vector3d before = from.mount.xyz;
   for (const auto& command : slow) {
-    const Eigen::Vector3d step = command.base.xyz - before;
+    const Eigen::Vector3d step = command.mount.xyz - before;
     EXPECT_NEAR(step.cwiseAbs().sum(), 4.0 / 6, 1e-12);  // of 4 m on two sides of a corner
-    before = command.base.xyz;
+    before = command.mount.xyz;
   }
   EXPECT_TRUE(stretched(from, {}, 0).empty());
 }
@@ -63,9 +63,9 @@ TEST(Executor, FollowsASlowArmsWayMoreSlowly) {
     EXPECT_EQ(scene.robot.follow(way), MotionEnd::reached);
     const auto& readings = scene.robot.log().readings;
     EXPECT_EQ(readings.size() - first, stretch > 1 ? 151u : 100u);
-    EXPECT_EQ(readings.back().base.xyz, way.back().base.xyz);
+    EXPECT_EQ(readings.back().mount.xyz, way.back().mount.xyz);
     for (std::size_t i = first; i < readings.size(); ++i) {
-      const double step = (readings[i].base.xyz - readings[i - 1].base.xyz).norm();
+      const double step = (readings[i].mount.xyz - readings[i - 1].mount.xyz).norm();
       EXPECT_LE(step, 5e-4 / std::max(1.0, stretch) * 1.001) << i;
     }
   }
@@ -87,12 +87,12 @@ TEST(Phase, SaysWhetherTheArmCouldNotTakeTheHandThere) {
   FollowingPhase phase;
   EXPECT_FALSE(run_phase(phase, scene.robot, state).unreachable);
   scene.hand.answer.obstacle = "out of reach of the arm";
-  const Eigen::Vector3d before = scene.robot.command().base.xyz;
+  const Eigen::Vector3d before = scene.robot.command().mount.xyz;
   const PhaseReport report = run_phase(phase, scene.robot, state);
   EXPECT_TRUE(report.unreachable);
   EXPECT_EQ(report.status, PhaseStatus::failed);
   EXPECT_EQ(report.outcome, "unreachable: out of reach of the arm");
-  EXPECT_EQ(scene.robot.command().base.xyz, before);
+  EXPECT_EQ(scene.robot.command().mount.xyz, before);
 }
 
 }  // namespace

@@ -32,16 +32,16 @@ struct Pinching {
         robot(hand, model, hand::resting_command()) {
     robot.wait(0.3);
   }
-  WeightBearing bearing() const { return {robot, p_base_object, kBoxWeight, kFriction}; }
+  WeightBearing bearing() const { return {robot, p_mount_object, kBoxWeight, kFriction}; }
 
   hand::Description model =
       hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
   hand::FakeHand hand;
   Executor robot;
-  Eigen::Vector3d p_base_object{0.3, 0, -0.05};
+  Eigen::Vector3d p_mount_object{0.3, 0, -0.05};
 };
 
-hand::BasePosition turned(double yaw, double pitch, double roll) {
+hand::MountPosition turned(double yaw, double pitch, double roll) {
   return {Eigen::Vector3d::Zero(), {yaw, pitch, roll}};
 }
 
@@ -60,15 +60,16 @@ TEST(WeightBearing, FollowsTheWeightByWhatTheStaticsAsk) {
   const auto window = std::span(pinching.robot.log().readings).last(20);
   const auto contacts = tactile::lasting_contacts(window, pinching.model, {});
   const auto joints = tactile::mean_joints(window);
-  const auto torques = [&](const hand::BasePosition& base) {
-    const grasping::Load load{pinching.p_base_object,
-                              -kBoxWeight * base.pose().linear().row(2).transpose()};
+  const auto torques = [&](const hand::MountPosition& mount) {
+    const grasping::Load load{pinching.p_mount_object,
+                              -kBoxWeight * mount.pose().linear().row(2).transpose()};
     const auto balanced = grasping::distribute_forces(contacts, kFriction, 5 * kBoxPress, load);
     return grasping::pressing_torques(pinching.model, joints, contacts, balanced.forces);
   };
-  const auto base = turned(0.3, std::numbers::pi / 2, 0.4);
-  const hand::ActuatorVector change = torques(base) - torques(turned(0, 0, 0));
-  const hand::ActuatorVector commanded = bearing.command(base) - pinching.robot.command().positions;
+  const auto mount = turned(0.3, std::numbers::pi / 2, 0.4);
+  const hand::ActuatorVector change = torques(mount) - torques(turned(0, 0, 0));
+  const hand::ActuatorVector commanded =
+      bearing.command(mount) - pinching.robot.command().positions;
   EXPECT_GT(change.norm(), 0.01);  // N m: a weight of 1.5 N turned by a right angle
   for (int i = 0; i < hand::kShadowActuators; ++i) {
     const auto& actuator = pinching.robot.actuators()[static_cast<std::size_t>(i)];

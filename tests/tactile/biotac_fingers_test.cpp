@@ -217,7 +217,7 @@ TEST(MeetingWay, IsTheMotionBeforeTheTouch) {
 hand::HandReading reading_at(int k, const Eigen::Vector3d& way, const BiotacReading& channels) {
   hand::HandReading reading = hand::resting_reading();
   reading.time = 0.01 * k;
-  reading.base.xyz = 0.0005 * k * way;
+  reading.mount.xyz = 0.0005 * k * way;
   reading.biotacs.assign(hand::kShadowFingers, channels);
   return reading;
 }

@@ -45,7 +45,7 @@ std::vector<hand::HandReading> held(int readings, double noise, std::uint64_t se
   return window;
 }
 
-TEST(LastingContacts, AverageInTheBaseFrame) {
+TEST(LastingContacts, AverageInTheMountFrame) {
   const auto contacts = lasting_contacts(held(100, 0.001, 1), toy_hand(), {});
   ASSERT_EQ(contacts.size(), 1u);
   EXPECT_EQ(contacts[0].finger, 1);

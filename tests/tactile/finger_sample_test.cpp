@@ -192,14 +192,14 @@ TEST(FingerFrame, HasTheCapsulesNormalInTheWorld) {
       0, {.a = Eigen::Vector3d::Zero(), .b = Eigen::Vector3d(0, 0, 0.02), .radius = 0.007});
   hand.links.resize(1);
   hand::HandReading reading = hand::resting_reading();
-  reading.base.xyz = {1, 2, 3};
-  reading.base.ypr = {0.3, -0.7, 1.1};
+  reading.mount.xyz = {1, 2, 3};
+  reading.mount.ypr = {0.3, -0.7, 1.1};
   // Beside the axis, and beyond its end.
   reading.contacts[1] = {{.p = {0.007, 0, 0.01}, .n = {-1, 0, 0}, .f = {1, 0, 0}},
                          {.p = {0, 0, 0.027}, .n = {0, 0, -1}, .f = {0, 0, 2}}};
   const FingerFrame frame = finger_frame(reading, hand, 1);
   ASSERT_EQ(frame.contacts.size(), 2u);
-  const Eigen::Isometry3d T = reading.base.pose();
+  const Eigen::Isometry3d T = reading.mount.pose();
   for (std::size_t i = 0; i < 2; ++i) {
     const auto& sensed = reading.contacts[1][i];
     EXPECT_TRUE(frame.contacts[i].p.isApprox(T * sensed.p));

@@ -72,8 +72,8 @@ std::vector<TipOnPlane> random_touches(const hand::Description& real, int count,
     touch.p = {0.02, 0, -0.005};
     touch.sigma = sigma;
     const Eigen::Vector3d p = place(real, touch.tip, touch.p);
-    touch.T_base_plane.linear() = frame_with_z(random.unit_vector());
-    touch.T_base_plane.translation() = p;
+    touch.T_mount_plane.linear() = frame_with_z(random.unit_vector());
+    touch.T_mount_plane.translation() = p;
     touch.p += sigma * random.normal3();
     touches.push_back(touch);
   }
@@ -117,7 +117,7 @@ TEST(CalibrateLinks, StatesWhatIsLeftOfTheError) {
   EXPECT_NEAR(found / stated, 1.0, 0.2);
 }
 
-/// Touches of a table by a hand in random attitudes of its base.
+/// Touches of a table by a hand in random attitudes of its mount.
 std::vector<TipOnPlane> table_touches(const hand::Description& real,
                                       const Eigen::Isometry3d& T_world_table, int count,
                                       std::uint64_t seed) {
@@ -127,14 +127,14 @@ std::vector<TipOnPlane> table_touches(const hand::Description& real,
     TipOnPlane touch;
     touch.tip = random_posture(i % hand::kShadowFingers, random);
     touch.p = {0.02, 0, -0.005};
-    Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();
-    T_world_base.linear() = random.rotation();
-    T_world_base.translation() << random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), 0;
+    Eigen::Isometry3d T_world_mount = Eigen::Isometry3d::Identity();
+    T_world_mount.linear() = random.rotation();
+    T_world_mount.translation() << random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), 0;
     // Lowered along the table's normal until the tip touches.
     const Eigen::Vector3d p =
-        T_world_table.inverse() * T_world_base * place(real, touch.tip, touch.p);
-    T_world_base.pretranslate(-p.z() * T_world_table.linear().col(2));
-    touch.T_base_plane = T_world_base.inverse();
+        T_world_table.inverse() * T_world_mount * place(real, touch.tip, touch.p);
+    T_world_mount.pretranslate(-p.z() * T_world_table.linear().col(2));
+    touch.T_mount_plane = T_world_mount.inverse();
     touches.push_back(touch);
   }
   return touches;
@@ -187,7 +187,7 @@ TEST(CalibrateLinks, RefusesTouchesThatCannotBe) {
   refuses([&](TipOnPlane& touch) { touch.sigma = nan; });
   refuses([&](TipOnPlane& touch) { touch.p.x() = nan; });
   refuses([&](TipOnPlane& touch) { touch.tip.joints[3] = nan; });
-  refuses([&](TipOnPlane& touch) { touch.T_base_plane(1, 3) = nan; });
+  refuses([&](TipOnPlane& touch) { touch.T_mount_plane(1, 3) = nan; });
   hand::Description worse = hand;
   worse.kinematic_error = -0.002;
   EXPECT_THROW(calibrate_links(worse, std::vector{good}, uses), BadInput);
@@ -201,7 +201,7 @@ TEST(DistanceFromPlane, IsThatOfTheTouchingPoint) {
   TipOnPlane touch;
   touch.tip = {2, hand::JointVector::Zero(hand::kShadowJoints)};
   touch.p = {0.02, 0, -0.005};
-  touch.T_base_plane.translation().z() = -0.03;
+  touch.T_mount_plane.translation().z() = -0.03;
   EXPECT_NEAR(distance_from_plane(hand, touch), 0.025, 1e-12);
 }
 

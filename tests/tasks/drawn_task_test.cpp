@@ -36,7 +36,7 @@ TEST(DrawnTask, EverythingIsWhereTheTaskHasIt) {
   EXPECT_NEAR((state.T_world_object.translation().head<2>() - scene.start.object).norm(), 0, 1e-9);
   const auto links = hand::forward_kinematics(scene.drawn.hand(), state.joints);
   const Eigen::Isometry3d palm =
-      state.base.pose() * links[static_cast<std::size_t>(scene.drawn.hand().palm)];
+      state.mount.pose() * links[static_cast<std::size_t>(scene.drawn.hand().palm)];
   EXPECT_NEAR((palm.translation() - Eigen::Vector3d(0, -0.27, 0.20)).norm(), 0, 2e-3);
   ASSERT_EQ(state.ghosts.size(), 1u);
   EXPECT_EQ(state.ghosts[0].T_world_object.translation(), scene.start.target);

@@ -99,7 +99,7 @@ TEST(EpisodeRecording, ThePalmIsWhereTheTaskHasIt) {
   const auto& reading = recording.frames.front().reading;
   const auto links = hand::forward_kinematics(recording.header.hand, reading.joints);
   const Eigen::Isometry3d palm =
-      reading.base.pose() * links[static_cast<std::size_t>(recording.header.hand.palm)];
+      reading.mount.pose() * links[static_cast<std::size_t>(recording.header.hand.palm)];
   // Where the hand's file puts the palm.
   EXPECT_NEAR((palm.translation() - Eigen::Vector3d(0, -0.27, 0.20)).norm(), 0, 2e-3);
 }

@@ -33,11 +33,11 @@ TEST(RelocateTouch, TheHandMovesAsTheSimulatorMovesIt) {
     const RelocateJoints q = random_joints(random);
     Eigen::VectorXd below = q.tail(static_cast<Eigen::Index>(oracle.joint_names().size()));
     const auto expected = oracle.evaluate(below, points).positions;
-    const auto T_base_link = hand::forward_kinematics(hand, shadow_joints(q));
+    const auto T_mount_link = hand::forward_kinematics(hand, shadow_joints(q));
     for (std::size_t finger = 0; finger < names.size(); ++finger) {
       const auto link = static_cast<std::size_t>(hand.fingers[finger].link);
       EXPECT_EQ(hand.links[link].name, names[finger]);
-      EXPECT_LT((T_base_link[link].translation() - expected.col(static_cast<int>(finger))).norm(),
+      EXPECT_LT((T_mount_link[link].translation() - expected.col(static_cast<int>(finger))).norm(),
                 1e-9);
     }
   }
@@ -50,9 +50,9 @@ TEST(RelocateTouch, SensesWhereItIs) {
   const RelocateTouch touch(model, no_noise(), 1);
   RelocateDynamics dynamics(model);
   const auto reading = touch.read(task, 0);
-  const auto T_base_link = hand::forward_kinematics(touch.hand_model(), reading.joints);
+  const auto T_mount_link = hand::forward_kinematics(touch.hand_model(), reading.joints);
   const Eigen::Isometry3d T_world_palm =
-      reading.base.pose() * T_base_link[static_cast<std::size_t>(touch.hand_model().palm)];
+      reading.mount.pose() * T_mount_link[static_cast<std::size_t>(touch.hand_model().palm)];
   const Eigen::Isometry3d expected = dynamics.palm(task.positions().head<kRelocateJoints>());
   EXPECT_LT((T_world_palm.matrix() - expected.matrix()).norm(), 1e-9);
   EXPECT_EQ(reading.time, 0);

@@ -41,11 +41,11 @@ TEST(Relocation, FingertipsSenseTheSurfaceOfWhatTheyHold) {
   const auto look = [&](int step) {
     const Eigen::Isometry3d T_world_object = object_pose(task.positions()) * object.T_mesh_object;
     const auto reading = touch.read(task, step);
-    const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
+    const auto T_mount_link = hand::forward_kinematics(hand, reading.joints);
     for (std::size_t finger = 0; finger < reading.contacts.size(); ++finger) {
       const Eigen::Isometry3d T_object_link =
-          T_world_object.inverse() * reading.base.pose() *
-          T_base_link[static_cast<std::size_t>(hand.fingers[finger].link)];
+          T_world_object.inverse() * reading.mount.pose() *
+          T_mount_link[static_cast<std::size_t>(hand.fingers[finger].link)];
       for (const auto& contact : reading.contacts[finger]) {
         ++contacts;
         EXPECT_LT(std::abs(surface.signed_distance(T_object_link * contact.p)), 1e-3);

@@ -126,7 +126,7 @@ class PoseEstimator {
 
   /// The pose in the hand at an instant. Contacts are those of the held object, with those that
   /// probes have found; the table supported it when the fingers had closed; the measured height
-  /// weighs its stable poses. All is expressed in the hand's base, in which the object rests.
+  /// weighs its stable poses. All is expressed in the hand's mount, in which the object rests.
   /// @param at  reading of the log; all of the log counts, before and after it
   /// @return status no_pose for no instant, as EventLog::at() gives for what has not happened
   HeldPoseEstimate held(const hand::Description& hand, const EventLog& log,
@@ -167,7 +167,7 @@ class PoseEstimator {
   double area_ = 0;                        // of the candidates' surfaces, on average, m^2
   std::vector<EventLog::Moment> moments_;  // that the last resting pose is from
   std::optional<std::size_t> closed_at_;   // reading that before_lift_ is of
-  Hypotheses before_lift_;                 // in the closed hand, in its base
+  Hypotheses before_lift_;                 // in the closed hand, in its mount
   Hypotheses resting_, last_;              // last: of the last estimate, in the world
   std::vector<bool> ruled_out_;            // candidates that are not searched for any more
   localization::ObjectProbabilities probabilities_;

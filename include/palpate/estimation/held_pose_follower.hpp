@@ -54,7 +54,7 @@ class HeldPoseFollower {
   struct Task {
     EventLog log;                                  ///< the last readings
     Eigen::Isometry3d motion;                      ///< of the object until the last of them
-    std::optional<localization::PosePrior> prior;  ///< in the hand's base
+    std::optional<localization::PosePrior> prior;  ///< in the hand's mount
     std::optional<localization::Posterior> known;  ///< the contacts add nothing; in the world
     std::uint64_t number = 0, epoch = 0;
   };
@@ -88,7 +88,7 @@ class HeldPoseFollower {
   localization::PosePrior prior() const;
   std::vector<tactile::Contact> contacts() const;
   bool has_new_contacts() const;
-  void use(std::vector<tactile::Contact> contacts, const Eigen::Isometry3d& T_base_world);
+  void use(std::vector<tactile::Contact> contacts, const Eigen::Isometry3d& T_mount_world);
 
   const geometry::ObjectModel& object_;
   hand::Description hand_;
@@ -99,7 +99,7 @@ class HeldPoseFollower {
   Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity();  ///< of the object, in the world
   Eigen::Isometry3d motion_of_known_ = Eigen::Isometry3d::Identity();  ///< until it was known
   localization::Posterior known_;                                      ///< in the world
-  std::vector<tactile::Contact> used_;  ///< a finger's last that were reckoned with; in the base
+  std::vector<tactile::Contact> used_;  ///< a finger's last that were reckoned with; in the mount
   double known_at_ = 0, touched_at_ = 0, asked_at_ = 0;  ///< s
   std::uint64_t tasks_ = 0, epoch_ = 0;
 };

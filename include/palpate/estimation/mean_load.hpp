@@ -8,14 +8,15 @@
 
 namespace palpate::estimation {
 
-/// Mean of what the base carries over the last readings (N, up positive), or all if they are fewer.
+/// Mean of what the mount carries over the last readings (N, up positive), or all if they are
+/// fewer.
 /// @param log  with a reading at least
 double mean_load(const EventLog& log, std::size_t readings = 20);
 
-/// Mean of where the base was (m, rad) in some readings, at least one.
-hand::BasePosition mean_base(std::span<const hand::HandReading> readings);
+/// Mean of where the mount was (m, rad) in some readings, at least one.
+hand::MountPosition mean_mount(std::span<const hand::HandReading> readings);
 
 /// The same over the last readings.
-hand::BasePosition mean_base(const EventLog& log, std::size_t readings = 20);
+hand::MountPosition mean_mount(const EventLog& log, std::size_t readings = 20);
 
 }  // namespace palpate::estimation

@@ -12,11 +12,11 @@ namespace palpate::estimation {
 /// How an object was followed in the hand.
 struct Tracked {
   struct Look {
-    std::size_t reading;              ///< index into the log
-    Eigen::Isometry3d T_base_object;  ///< heaviest pose
+    std::size_t reading;               ///< index into the log
+    Eigen::Isometry3d T_mount_object;  ///< heaviest pose
   };
   std::vector<Look> looks;
-  localization::Posterior posterior;  ///< at the last look, in the hand's base
+  localization::Posterior posterior;  ///< at the last look, in the hand's mount
   int slips = 0;                      ///< that were noticed
 };
 

@@ -12,7 +12,7 @@
 
 namespace palpate::grasping {
 
-/// Points of one finger, in the base's frame, at one instant of its closing.
+/// Points of one finger, in the mount's frame, at one instant of its closing.
 struct FingerShape {
   /// On the axis of the fingertip's capsule, or spread over its hull's core; the axis' outer end
   /// last.
@@ -20,7 +20,7 @@ struct FingerShape {
   std::vector<Eigen::Vector4f> other_spheres;  ///< of its other links: center and radius, m
 };
 
-/// How an empty hand closes: the shapes that its fingers pass through, in the base's frame, m.
+/// How an empty hand closes: the shapes that its fingers pass through, in the mount's frame, m.
 struct ClosingTrajectory {
   std::vector<Eigen::Vector4f> open_spheres;  ///< of the whole hand before closing
   std::vector<std::vector<FingerShape>> fingers;
@@ -43,28 +43,28 @@ ClosingTrajectory closing_trajectory(const hand::Description& hand,
 void end_at_other_fingers(const hand::Description& hand, const hand::JointVector& joints,
                           std::size_t finger, ClosingTrajectory& path);
 
-/// An object at a pose above the table, asked from the hand's base.
+/// An object at a pose above the table, asked from the hand's mount.
 class PlacedObject {
  public:
   PlacedObject(const geometry::ObjectModel& object, const Eigen::Isometry3d& T_world_object,
-               const Eigen::Isometry3d& T_world_base);
-  /// Signed distance of a point in the base's frame from the object's surface, m; negative inside,
+               const Eigen::Isometry3d& T_world_mount);
+  /// Signed distance of a point in the mount's frame from the object's surface, m; negative inside,
   /// infinite far from the object, where the field ends.
   float distance(const Eigen::Vector3f& p) const;
-  /// Height of a point in the base's frame above the table, m.
+  /// Height of a point in the mount's frame above the table, m.
   float height(const Eigen::Vector3f& p) const;
-  /// Outward normal of the object at a point (base's frame) near its surface, in the base's axes.
+  /// Outward normal of the object at a point (mount's frame) near its surface, in the mount's axes.
   Eigen::Vector3d normal(const Eigen::Vector3f& p) const;
 
  private:
   const geometry::DistanceField& field_;
-  Eigen::Isometry3f T_object_base_, T_world_base_;
+  Eigen::Isometry3f T_object_mount_, T_world_mount_;
 };
 
 /// Where a closing finger stops, and the contact of its tip if that is why.
 struct FingerMeeting {
   std::size_t stop = 0;                     ///< index of its shape
-  std::optional<tactile::Contact> contact;  ///< in the base's frame
+  std::optional<tactile::Contact> contact;  ///< in the mount's frame
 };
 
 /// Closes a finger along its path, which must have a shape, until its tip or another of its links

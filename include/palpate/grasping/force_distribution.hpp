@@ -33,8 +33,8 @@ ForceDistribution distribute_forces(std::span<const tactile::Contact> contacts, 
 /// Torques of the actuators that make the fingertips press on the object with the given forces:
 /// tau = sum J' f (grasp statics); a coupled pair gets the mean of its two joints' torques.
 ///
-/// @param contacts  in the base's frame, each with its finger
-/// @param forces  one a contact, N, of the finger on the object, base's axes
+/// @param contacts  in the mount's frame, each with its finger
+/// @param forces  one a contact, N, of the finger on the object, mount's axes
 hand::ActuatorVector pressing_torques(const hand::Description& hand,
                                       const hand::JointVector& joints,
                                       std::span<const tactile::Contact> contacts,

@@ -36,11 +36,11 @@ struct GraspPlanOptions {
 
 /// Where the hand is to close, and how well the fingers should then hold the object.
 struct GraspPlan {
-  hand::BasePosition base;
+  hand::MountPosition mount;
   double cost = 0;                         ///< mean over small displacements of the object
   int fingers = 0;                         ///< that meet the object
   int missing = 0;                         ///< fingers that do not
-  std::vector<tactile::Contact> contacts;  ///< of their tips, in the base's frame
+  std::vector<tactile::Contact> contacts;  ///< of their tips, in the mount's frame
   hand::PerFinger<std::size_t> stops{};    ///< shape of its path where each finger ends
 };
 
@@ -50,13 +50,13 @@ struct GraspPlan {
 std::optional<GraspPlan> close_virtually(const geometry::ObjectModel& object,
                                          const Eigen::Isometry3d& T_world_object,
                                          const ClosingTrajectory& path,
-                                         const hand::BasePosition& base,
+                                         const hand::MountPosition& mount,
                                          const GraspPlanOptions& options);
 
 /// All places where the opened hand can come down freely and its thumb and another finger then meet
 /// the object, in a fixed order. Their costs are for the object just where it is.
-/// @param attitude  pitch and roll of the base, rad
-/// @param avoid  yaws of the base (rad) that have failed before
+/// @param attitude  pitch and roll of the mount, rad
+/// @param avoid  yaws of the mount (rad) that have failed before
 std::vector<GraspPlan> find_grasps(const geometry::ObjectModel& object,
                                    const Eigen::Isometry3d& T_world_object,
                                    const ClosingTrajectory& path, const hand::Attitude& attitude,
@@ -69,18 +69,18 @@ double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T
                  const GraspPlan& plan);
 
 /// Cost of a grasp of these contacts: how badly its forces balance when gravity pulls that way.
-/// @param gravity  unit, in the base's frame
-/// @param p_base_object  the object's centroid in the base's frame, m
+/// @param gravity  unit, in the mount's frame
+/// @param p_mount_object  the object's centroid in the mount's frame, m
 double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
                   const GraspPlanOptions& options, const Eigen::Vector3d& gravity,
-                  const Eigen::Vector3d& p_base_object);
+                  const Eigen::Vector3d& p_mount_object);
 
 /// Closes the hand virtually, at many places around the object's pose, and takes the one where the
 /// fingertips' forces balance best, together with the weight. The opened hand must come down there
 /// without touching the object.
 ///
-/// @param attitude  pitch and roll of the base, rad
-/// @param avoid  yaws of the base (rad) that have failed before
+/// @param attitude  pitch and roll of the mount, rad
+/// @param avoid  yaws of the mount (rad) that have failed before
 /// @return nothing if no place will do
 std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const Eigen::Isometry3d& T_world_object,

@@ -24,7 +24,7 @@ class ArmFollower {
   /// joints, slowly, before the first follow().
   /// @throws BadInput if the arm cannot hold the mount there
   const ArmVector& reset(const Eigen::Isometry3d& T_world_mount,
-                         std::span<const BasePosition> tour = {});
+                         std::span<const MountPosition> tour = {});
 
   /// The joints for the next tick. Where the arm cannot follow, it comes as near as it can.
   /// @throws std::logic_error before reset()
@@ -32,11 +32,11 @@ class ArmFollower {
 
   /// Whether the arm can follow a way that starts where it is commanded to be, one position a tick.
   /// @throws std::logic_error before reset()
-  [[nodiscard]] PathFeasibility check_path(std::span<const BasePosition> way) const;
+  [[nodiscard]] PathFeasibility check_path(std::span<const MountPosition> way) const;
 
  private:
   void require_reset() const;
-  [[nodiscard]] std::size_t followed(ArmVector joints, std::span<const BasePosition> tour) const;
+  [[nodiscard]] std::size_t followed(ArmVector joints, std::span<const MountPosition> tour) const;
 
   ArmDescription arm_;
   ArmVector wanted_;           // for the mount's pose
@@ -45,6 +45,6 @@ class ArmFollower {
 
 /// A tour through the attitudes in which skills use a hand: each from all sides, above the
 /// workspace's middle and above the table.
-std::vector<BasePosition> working_tour(const Description& hand);
+std::vector<MountPosition> working_tour(const Description& hand);
 
 }  // namespace palpate::hand

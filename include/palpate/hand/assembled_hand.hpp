@@ -22,8 +22,8 @@ class LateAnswer : public std::runtime_error {
 
 /// What an arm measures.
 struct ArmReading {
-  BasePosition base;  ///< of the hand's mount in the world
-  /// Force of the arm on the hand, as HandReading::base_force: N, world axes.
+  MountPosition mount;  ///< of the hand's mount in the world
+  /// Force of the arm on the hand, as HandReading::mount_force: N, world axes.
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
 };
 
@@ -34,12 +34,12 @@ class Arm {
   [[nodiscard]] virtual std::string name() const = 0;
 
   /// Brings the mount there by the end of this tick; does not wait for it.
-  virtual void move(const BasePosition& target) = 0;
+  virtual void move(const MountPosition& target) = 0;
   /// At the end of the tick. @return nothing where there is nothing newer than the last reading
   virtual std::optional<ArmReading> read() = 0;
 
   /// As of Hand.
-  [[nodiscard]] virtual PathFeasibility check_path(std::span<const BasePosition> way) const {
+  [[nodiscard]] virtual PathFeasibility check_path(std::span<const MountPosition> way) const {
     static_cast<void>(way);
     return {};
   }
@@ -72,12 +72,12 @@ struct AnswerLimits {
 /// at their tips.
 ///
 /// In a tick the arm is given its target, then the fingers make their step, which lasts the tick,
-/// then arm and sensors are read. What the fingers say of the base gives way to the arm, what they
+/// then arm and sensors are read. What the fingers say of the mount gives way to the arm, what they
 /// say of a fingertip's contacts to the sensors on it. The time of the last reading is repeated
 /// until every part has given something newer than that one holds, be it in different ticks.
 class AssembledHand : public Hand {
  public:
-  /// @param fingers, arm, sensors  must outlive this; no arm: the base is the fingers' own
+  /// @param fingers, arm, sensors  must outlive this; no arm: the mount is the fingers' own
   /// @throws BadInput for a sensor that is missing, or on no finger
   AssembledHand(Hand& fingers, Arm* arm, std::vector<MountedSensor> sensors,
                 const AnswerLimits& limits = {});
@@ -88,7 +88,7 @@ class AssembledHand : public Hand {
   HandReading step(const HandCommand& command) override;
 
   /// What the arm throws is thrown by the next step(), which then moves nothing.
-  [[nodiscard]] PathFeasibility check_path(std::span<const BasePosition> way) const override;
+  [[nodiscard]] PathFeasibility check_path(std::span<const MountPosition> way) const override;
   [[nodiscard]] MountLimits mount_limits() const override;
 
  private:

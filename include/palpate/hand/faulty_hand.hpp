@@ -77,7 +77,7 @@ class FaultyHand : public Hand {
 
   /// @throws BadInput when a fault sets in of a finger, joint or actuator that the hand has not
   HandReading step(const HandCommand& command) override;
-  [[nodiscard]] PathFeasibility check_path(std::span<const BasePosition> way) const override {
+  [[nodiscard]] PathFeasibility check_path(std::span<const MountPosition> way) const override {
     return hand_.check_path(way);
   }
   [[nodiscard]] MountLimits mount_limits() const override { return hand_.mount_limits(); }

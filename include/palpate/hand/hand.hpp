@@ -27,30 +27,30 @@ struct TipContact {
   double normal_sigma = 0;  ///< per tangent axis, rad
 };
 
-/// Position of the hand's 6-DoF base: x, y, z (m), yaw, pitch, roll (rad).
-struct BasePosition {
+/// Position of the hand's 6-DoF mount: x, y, z (m), yaw, pitch, roll (rad).
+struct MountPosition {
   Eigen::Vector3d xyz = Eigen::Vector3d::Zero();
   Eigen::Vector3d ypr = Eigen::Vector3d::Zero();
 
-  /// T_world_base = Trans(xyz) Rz(yaw) Ry(pitch) Rx(roll).
+  /// T_world_mount = Trans(xyz) Rz(yaw) Ry(pitch) Rx(roll).
   Eigen::Isometry3d pose() const;
 
   /// The position of a pose, with a pitch of at most a quarter turn.
-  static BasePosition at(const Eigen::Isometry3d& T_world_base);
+  static MountPosition at(const Eigen::Isometry3d& T_world_mount);
 };
 
 /// Between two positions, in each of the six coordinates. @param share  0: the first, 1: the second
-BasePosition between(const BasePosition& a, const BasePosition& b, double share);
+MountPosition between(const MountPosition& a, const MountPosition& b, double share);
 
 /// What the hand senses in one tick.
 struct HandReading {
   double time = 0;         ///< s, when this was measured
   JointVector joints;      ///< rad
   ActuatorVector torques;  ///< N m, of the actuators, towards larger positions
-  BasePosition base;       ///< measured
+  MountPosition mount;     ///< measured
   /// Force (N, world axes) of what carries the hand on the hand, less what holds the empty hand at
   /// rest: up (z > 0) when something hangs in the hand, down when the hand presses on the table.
-  Eigen::Vector3d base_force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mount_force = Eigen::Vector3d::Zero();
   std::vector<std::vector<TipContact>> contacts;  ///< one entry a finger
   std::vector<BiotacReading> biotacs;  ///< one a finger; none where the tips have no BioTacs
 };
@@ -58,7 +58,7 @@ struct HandReading {
 /// Targets of the position controllers for the next tick.
 struct HandCommand {
   ActuatorVector positions;  ///< rad
-  BasePosition base;
+  MountPosition mount;
 };
 
 /// Whether what carries the hand can take its mount along a path.
@@ -76,9 +76,9 @@ struct MountLimits {
   double guarded_speed = std::numeric_limits<double>::infinity();      ///< m/s, towards a touch
 };
 
-/// A hand with tactile fingertips on a 6-DoF base, simulated or real. What carries the base is the
-/// hand's own matter: a floating mount, or an arm (hand::ArmFollower). All calls are of one thread;
-/// what they throw stops the robot.
+/// A hand with tactile fingertips on a 6-DoF mount, simulated or real. What carries the mount is
+/// the hand's own matter: a floating mount, or an arm (hand::ArmFollower). All calls are of one
+/// thread; what they throw stops the robot.
 class Hand {
  public:
   virtual ~Hand() = default;
@@ -89,7 +89,7 @@ class Hand {
 
   /// Whether the mount can be moved from where it is commanded to be along this path, one position
   /// a tick. A floating mount can be moved anywhere.
-  [[nodiscard]] virtual PathFeasibility check_path(std::span<const BasePosition> path) const {
+  [[nodiscard]] virtual PathFeasibility check_path(std::span<const MountPosition> path) const {
     static_cast<void>(path);
     return {};
   }

@@ -45,13 +45,13 @@ class CollisionChecker {
   virtual void hold(const Eigen::Isometry3d& T_palm_object) = 0;
 
   /// T_world_palm of the hand. @param joints  rad
-  [[nodiscard]] virtual Eigen::Isometry3d palm_pose(const hand::BasePosition& base,
+  [[nodiscard]] virtual Eigen::Isometry3d palm_pose(const hand::MountPosition& mount,
                                                     const hand::JointVector& joints) = 0;
 
   /// The pair of bodies that overlap deepest beyond the allowed depth; none if the hand (and what
   /// it holds) is free. @param joints  rad
   [[nodiscard]] virtual std::optional<CollidingPair> deepest_collision(
-      const hand::BasePosition& base, const hand::JointVector& joints) = 0;
+      const hand::MountPosition& mount, const hand::JointVector& joints) = 0;
 };
 
 }  // namespace palpate::planning

@@ -23,7 +23,7 @@ struct PlanOptions {
   double detour = 0.25;                 ///< m, rad: search this far beyond start and goal
   double rounding = 0.03;               ///< m of path, how far from a corner it may be cut
   bool move_all = true;                 ///< what the waypoints keep, too, where nothing else helps
-  BaseRange base;
+  MountRange mount;
   MotionLimits limits;
 
   template <class Visitor>
@@ -38,7 +38,7 @@ struct PlanOptions {
       "m, distance from a corner within which the path may be rounded");
     v("move_all", move_all,
       "move what the waypoints keep constant, too, if there is no other path");
-    v.section("base", base);
+    v.section("mount", mount);
     v.section("limits", limits);
   }
 };
@@ -61,11 +61,11 @@ struct Plan {
   }
 };
 
-/// A collision-free motion of base and hand through the waypoints (thesis section 2.2.1), at rest
+/// A collision-free motion of mount and hand through the waypoints (thesis section 2.2.1), at rest
 /// in each, within the limits of speed and acceleration; every sample has been checked.
 ///
 /// Sampling-based search with OMPL (Sucan et al., 2012) over the coordinates in which the waypoints
-/// differ, and, where that finds no way and `move_all` allows it, over all that may move: the base
+/// differ, and, where that finds no way and `move_all` allows it, over all that may move: the mount
 /// only moves if waypoints differ in it. Bounded by iterations, not time: the same seed gives the
 /// same plan. Plans of several threads wait for one another, for OMPL has one source of seeds.
 /// @throws BadInput for fewer than two waypoints or an unknown planner

@@ -7,27 +7,27 @@
 
 namespace palpate::planning {
 
-/// Base x, y, z (m), yaw, pitch, roll (rad) and the actuators (rad): all that a path moves.
-inline constexpr int kBaseCoordinates = 6;
+/// Mount x, y, z (m), yaw, pitch, roll (rad) and the actuators (rad): all that a path moves.
+inline constexpr int kMountCoordinates = 6;
 using Coordinates =
-    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kBaseCoordinates + hand::kMaxJoints, 1>;
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMountCoordinates + hand::kMaxJoints, 1>;
 
 Coordinates coordinates_of(const hand::HandCommand& command);
 hand::HandCommand command_of(const Coordinates& coordinates);
 
 /// How fast the hand may move, each coordinate by itself.
 struct MotionLimits {
-  double base_speed = 0.25;          ///< m/s, along each axis
-  double base_acceleration = 1.0;    ///< m/s^2, along each axis
-  double turn_speed = 1.0;           ///< rad/s, of each angle of the base
-  double turn_acceleration = 4.0;    ///< rad/s^2, of each angle of the base
+  double mount_speed = 0.25;         ///< m/s, along each axis
+  double mount_acceleration = 1.0;   ///< m/s^2, along each axis
+  double turn_speed = 1.0;           ///< rad/s, of each angle of the mount
+  double turn_acceleration = 4.0;    ///< rad/s^2, of each angle of the mount
   double joint_speed = 2.0;          ///< rad/s
   double joint_acceleration = 10.0;  ///< rad/s^2
 
   template <class Visitor>
   void visit(Visitor&& v) {
-    v("base_speed", base_speed, 0.001, 10.0, "m/s, largest speed of the mount along each axis");
-    v("base_acceleration", base_acceleration, 0.001, 100.0,
+    v("mount_speed", mount_speed, 0.001, 10.0, "m/s, largest speed of the mount along each axis");
+    v("mount_acceleration", mount_acceleration, 0.001, 100.0,
       "m/s^2, largest acceleration of the mount along each axis");
     v("turn_speed", turn_speed, 0.001, 50.0,
       "rad/s, largest rate of each of the mount's yaw, pitch and roll");

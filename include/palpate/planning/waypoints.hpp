@@ -12,13 +12,13 @@
 
 namespace palpate::planning {
 
-/// Columns of a file's base, before the joints; m and rad.
-inline constexpr std::array<std::string_view, 6> kBaseNames = {"x",   "y",     "z",
-                                                               "yaw", "pitch", "roll"};
+/// Columns of a file's mount, before the joints; m and rad.
+inline constexpr std::array<std::string_view, 6> kMountNames = {"x",   "y",     "z",
+                                                                "yaw", "pitch", "roll"};
 
-/// A row q of the waypoints Q (thesis eq. 2.1): all joint angles, and where the base is.
+/// A row q of the waypoints Q (thesis eq. 2.1): all joint angles, and where the mount is.
 struct Waypoint {
-  hand::BasePosition base;
+  hand::MountPosition mount;
   hand::JointVector joints;  ///< rad
 };
 
@@ -27,18 +27,18 @@ hand::HandCommand command_of(const Waypoint& waypoint, const hand::Description& 
 
 struct WaypointsFile {
   std::vector<Waypoint> waypoints;
-  bool has_base = false;  ///< else every base is the given one
+  bool has_mount = false;  ///< else every mount is the given one
 };
 
 /// Waypoints from a CSV: a header with the names of all joints of the hand, in any order, and
-/// either all or none of kBaseNames; one row a waypoint. Values need only be finite. A first column
-/// t_s, as planned paths have it, is left out.
+/// either all or none of kMountNames; one row a waypoint. Values need only be finite. A first
+/// column t_s, as planned paths have it, is left out.
 /// @param source  named in errors, as in "waypoints.csv:3: ..."
-/// @param base  where there is none in the file
+/// @param mount  where there is none in the file
 /// @throws BadInput for a header of the wrong width or names, a row of the wrong width, a value
 ///         that is no finite number, fewer than two rows
 WaypointsFile parse_waypoints(std::string_view text, std::string_view source,
-                              const hand::BasePosition& base, const hand::Description& hand);
+                              const hand::MountPosition& mount, const hand::Description& hand);
 
 /// A waypoint that the hand cannot take, and why, in one line.
 struct InvalidWaypoint {
@@ -46,8 +46,8 @@ struct InvalidWaypoint {
   std::string reason;        ///< the joint and its value, or the pair of bodies and its depth
 };
 
-/// How far the base reaches.
-struct BaseRange {
+/// How far the mount reaches.
+struct MountRange {
   double side = 1.0;     ///< m, of |x| and |y|
   double low = 0.0;      ///< m, of z
   double high = 1.0;     ///< m, of z
@@ -63,10 +63,10 @@ struct BaseRange {
 };
 
 /// Every waypoint with an angle that is not finite, beyond its joint's range, or where a coupled
-/// pair cannot be; with a base out of its range; or, where all that is well, in collision. In
+/// pair cannot be; with a mount out of its range; or, where all that is well, in collision. In
 /// order.
 std::vector<InvalidWaypoint> find_invalid_waypoints(const std::vector<Waypoint>& waypoints,
                                                     CollisionChecker& scene,
-                                                    const BaseRange& range = {});
+                                                    const MountRange& range = {});
 
 }  // namespace palpate::planning

@@ -49,7 +49,7 @@ struct ReadingMessages {
   JointState joints;                  ///< positions of the joints
   JointState actuators;               ///< positions of the actuators, with their torques as effort
   std::vector<PointCloud2> contacts;  ///< one a finger, in the frame of its distal link
-  WrenchStamped wrench;               ///< base_force, in the world's axes
+  WrenchStamped wrench;               ///< mount_force, in the world's axes
   TFMessage tf;                       ///< of the mount, the palm and the distal links
 };
 ReadingMessages messages_of(const hand::HandReading& reading, const hand::Description& hand,

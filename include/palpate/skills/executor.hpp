@@ -29,7 +29,7 @@ class Watchdog;
 /// How a motion ended.
 enum class MotionEnd { reached, stopped, timed_out };
 
-/// What the fingers do while the base moves: close with limited torque.
+/// What the fingers do while the mount moves: close with limited torque.
 struct Grip {
   grasping::ClosingLaw law;
   hand::ActuatorVector max_torque;  ///< N m
@@ -54,7 +54,7 @@ struct LoadError {
 ///
 /// Every reading and every command passes a gate (SafetyOptions). While readings are missing or
 /// impossible the hand stands still and nothing is kept of them; a fault stops the robot for good:
-/// the base gives way to what it pushes, the fingers ease to a light hold, and SafetyStop is
+/// the mount gives way to what it pushes, the fingers ease to a light hold, and SafetyStop is
 /// thrown, now and at every later tick. The same happens where an exception passes through a phase
 /// or ends the robot's life.
 class Executor {
@@ -102,7 +102,7 @@ class Executor {
 
   /// What has stopped the robot, if anything has.
   const FaultReport& fault() const { return fault_; }
-  /// Stops the robot for good, unless it has stopped before: base and fingers ease, see above.
+  /// Stops the robot for good, unless it has stopped before: mount and fingers ease, see above.
   void make_safe(Fault fault, std::string detail) noexcept;
   /// make_safe(), and then @throws SafetyStop.
   [[noreturn]] void stop_for(Fault fault, std::string detail);
@@ -147,13 +147,13 @@ class Executor {
 
   /// Why the mount cannot be brought there from where it is commanded to be; empty: it can. What
   /// the hand throws in judging is a fault of the next tick (require_running()).
-  [[nodiscard]] std::string obstacle(const hand::BasePosition& target) const;
+  [[nodiscard]] std::string obstacle(const hand::MountPosition& target) const;
 
-  /// Moves the base on a straight line (m/s; it turns along in proportion), until there or `stop`.
+  /// Moves the mount on a straight line (m/s; it turns along in proportion), until there or `stop`.
   /// Where the arm's joints are slower than that, it takes longer. A speed that is not positive and
   /// finite, or that takes longer than the log, is a fault (invalid_command). @throws Unreachable
-  MotionEnd move_base(const hand::BasePosition& target, double speed,
-                      const StopCondition& stop = {});
+  MotionEnd move_mount(const hand::MountPosition& target, double speed,
+                       const StopCondition& stop = {});
 
   /// Gives one command a tick, until the last or `stop`. Where the arm's joints are slower than
   /// that, it takes longer, along the lines between the commands. @throws Unreachable
@@ -162,8 +162,8 @@ class Executor {
   /// Moves all actuators to a posture in a given time.
   MotionEnd move_fingers(const hand::ActuatorVector& posture, double seconds);
 
-  /// Both at once, each in proportion to the other: the base as move_base() does, through the air,
-  /// the fingers in no less than `seconds`. @throws Unreachable
+  /// Both at once, each in proportion to the other: the mount as move_mount() does, through the
+  /// air, the fingers in no less than `seconds`. @throws Unreachable
   MotionEnd move_hand(const hand::HandCommand& target, double speed, double seconds);
 
  private:
@@ -177,10 +177,10 @@ class Executor {
   [[nodiscard]] hand::HandCommand where_it_is() const;
   template <class Value>
   Value ask_hand(const std::function<Value()>& ask) const;
-  [[nodiscard]] hand::PathFeasibility check_path(std::vector<hand::BasePosition> way) const;
+  [[nodiscard]] hand::PathFeasibility check_path(std::vector<hand::MountPosition> way) const;
   [[nodiscard]] hand::MountLimits mount_limits() const;
-  void require_motion(const hand::BasePosition& target, double speed);
-  void limit_base(const hand::BasePosition& target, SpeedProfile& profile) const;
+  void require_motion(const hand::MountPosition& target, double speed);
+  void limit_mount(const hand::MountPosition& target, SpeedProfile& profile) const;
   void limit_fingers(const hand::ActuatorVector& posture, SpeedProfile& profile);
 
   hand::Hand& hand_;

@@ -23,7 +23,7 @@ struct BelievedGrasp {
 
 /// How a motion of the fingers is predicted to end, without noise.
 struct RolloutOutcome {
-  Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_mount_object = Eigen::Isometry3d::Identity();
   hand::PerFinger<double> tip_forces{};  ///< N, normal, of each finger
   bool diverged = false;
 };

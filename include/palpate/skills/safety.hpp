@@ -15,8 +15,8 @@ enum class Fault {
   none,
   stop_requested,      ///< by the user, or from another thread
   not_finite,          ///< a reading holds a value that is not finite
-  out_of_range,        ///< a joint, the base or the load reads what cannot be
-  implausible_change,  ///< a joint or the base has jumped between two readings
+  out_of_range,        ///< a joint, the mount or the load reads what cannot be
+  implausible_change,  ///< a joint or the mount has jumped between two readings
   frozen,              ///< joints, torques or load repeat themselves bit for bit
   late,                ///< readings come, but are too old
   silent,              ///< readings have stopped
@@ -62,26 +62,26 @@ class SafetyStop : public std::runtime_error {
 
 /// What an Executor accepts as a reading, and what it lets a command be.
 struct SafetyOptions {
-  double max_age = 0.05;          ///< s that a reading may be late, by the executor's own ticks
-  double max_gap = 0.25;          ///< s without a fresh reading, in which the hand stands still
-  int max_bad = 4;                ///< readings in a row that are not finite, or out of range
-  int max_repeats = 4;            ///< readings in a row that repeat joints, torques or load
-  double max_load = 40;           ///< N, of the mount
-  double load_range = 250;        ///< N that the mount's sensor can read
-  double tip_force_range = 50;    ///< N that a fingertip's sensor can read
-  double tip_reach = 0.1;         ///< m from a fingertip's surface, of contacts that are believed
-  double workspace = 1.5;         ///< m of the base from the origin
-  double joint_margin = 0.4;      ///< rad that a joint may read beyond its range
-  double joint_jump = 0.5;        ///< rad between two readings
-  double base_jump = 0.05;        ///< m between two readings
-  double tracking_error = 0.6;    ///< rad by which a joint that stands still may miss its command
-  double tracking_time = 0.5;     ///< s that it may
-  double mount_error = 0.05;      ///< m by which a mount that stands still may miss its command
-  double base_speed = 0.6;        ///< m/s
-  double base_acceleration = 10;  ///< m/s^2
-  double turn_speed = 3.0;        ///< rad/s, of the base
-  double turn_acceleration = 50;  ///< rad/s^2, of the base
-  double finger_speed = 4.0;      ///< rad/s
+  double max_age = 0.05;           ///< s that a reading may be late, by the executor's own ticks
+  double max_gap = 0.25;           ///< s without a fresh reading, in which the hand stands still
+  int max_bad = 4;                 ///< readings in a row that are not finite, or out of range
+  int max_repeats = 4;             ///< readings in a row that repeat joints, torques or load
+  double max_load = 40;            ///< N, of the mount
+  double load_range = 250;         ///< N that the mount's sensor can read
+  double tip_force_range = 50;     ///< N that a fingertip's sensor can read
+  double tip_reach = 0.1;          ///< m from a fingertip's surface, of contacts that are believed
+  double workspace = 1.5;          ///< m of the mount from the origin
+  double joint_margin = 0.4;       ///< rad that a joint may read beyond its range
+  double joint_jump = 0.5;         ///< rad between two readings
+  double mount_jump = 0.05;        ///< m between two readings
+  double tracking_error = 0.6;     ///< rad by which a joint that stands still may miss its command
+  double tracking_time = 0.5;      ///< s that it may
+  double mount_error = 0.05;       ///< m by which a mount that stands still may miss its command
+  double mount_speed = 0.6;        ///< m/s
+  double mount_acceleration = 10;  ///< m/s^2
+  double turn_speed = 3.0;         ///< rad/s, of the mount
+  double turn_acceleration = 50;   ///< rad/s^2, of the mount
+  double finger_speed = 4.0;       ///< rad/s
   double finger_acceleration = 200;  ///< rad/s^2
   double unsensed_force = 6;    ///< N, about, with which a finger that senses no contact may press
   double release_speed = 0.25;  ///< m/s at which a stopped mount gives way to what it pushes
@@ -111,14 +111,14 @@ struct SafetyOptions {
              "rad, by which a joint's reading may be outside its range");
     v.expert("joint_jump", joint_jump, 0.01, 10.0,
              "rad, largest change of a joint between two readings");
-    v.expert("base_jump", base_jump, 0.001, 10.0,
+    v.expert("mount_jump", mount_jump, 0.001, 10.0,
              "m, largest motion of the mount between two readings");
     v.expert("tracking_error", tracking_error, 0.01, 10.0, "rad, largest error of a joint at rest");
     v.expert("tracking_time", tracking_time, 0.01, 100.0,
              "s, for which a joint or the mount may exceed its tracking error");
     v.expert("mount_error", mount_error, 0.001, 10.0, "m, largest error of a mount at rest");
-    v("base_speed", base_speed, 0.01, 10.0, "m/s, largest commanded speed of the mount");
-    v.expert("base_acceleration", base_acceleration, 0.1, 1000.0,
+    v("mount_speed", mount_speed, 0.01, 10.0, "m/s, largest commanded speed of the mount");
+    v.expert("mount_acceleration", mount_acceleration, 0.1, 1000.0,
              "m/s^2, largest commanded acceleration of the mount");
     v.expert("turn_speed", turn_speed, 0.01, 50.0,
              "rad/s, largest commanded angular speed of the mount");

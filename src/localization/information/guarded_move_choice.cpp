@@ -157,7 +157,7 @@ std::optional<Matrix9d> information_of(const geometry::ObjectModel& object,
   if (!nearest) return std::nullopt;
   const Eigen::Vector3d n = T_world_object.linear() * nearest->gradient.cast<double>().normalized();
   Eigen::Matrix<double, 9, 1> row;
-  row << (p - T_world_object.translation()).cross(n), n, -finger.R_world_base.transpose() * n;
+  row << (p - T_world_object.translation()).cross(n), n, -finger.R_world_mount.transpose() * n;
   Matrix9d information = row * row.transpose() / (kPointSigma * kPointSigma);
   information.topLeftCorner<3, 3>() +=
       (Eigen::Matrix3d::Identity() - n * n.transpose()) / (kNormalSigma * kNormalSigma);

@@ -75,13 +75,13 @@ std::vector<FreeSphere> KinematicGrasp::balls(const Posture& posture) const {
       set(joints, f, '1', std::min(1.57, 0.8 * curl));
     }
   }
-  const auto T_base_link = hand::forward_kinematics(hand_, joints);
-  const Eigen::Isometry3d T_world_base =
-      posture.T_world_palm * T_base_link[static_cast<std::size_t>(hand_.palm)].inverse();
+  const auto T_mount_link = hand::forward_kinematics(hand_, joints);
+  const Eigen::Isometry3d T_world_mount =
+      posture.T_world_palm * T_mount_link[static_cast<std::size_t>(hand_.palm)].inverse();
   std::vector<FreeSphere> result;
   for (const auto& ball : hand_.spheres) {
-    const auto& T = T_base_link[static_cast<std::size_t>(ball.link)];
-    result.push_back({T_world_base * (T * ball.center), ball.radius});
+    const auto& T = T_mount_link[static_cast<std::size_t>(ball.link)];
+    result.push_back({T_world_mount * (T * ball.center), ball.radius});
   }
   return result;
 }

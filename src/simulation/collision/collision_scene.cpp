@@ -64,7 +64,7 @@ struct CollisionScene::Impl {
   }
 
   void let_hand_meet_object(bool meet);
-  void set_hand(const hand::BasePosition& base, const hand::JointVector& joints);
+  void set_hand(const hand::MountPosition& mount, const hand::JointVector& joints);
   bool counts(const mjContact& contact) const;
   std::string name_of(int geom) const;
 
@@ -92,15 +92,15 @@ void CollisionScene::Impl::let_hand_meet_object(bool meet) {
   }
 }
 
-void CollisionScene::Impl::set_hand(const hand::BasePosition& base,
+void CollisionScene::Impl::set_hand(const hand::MountPosition& mount,
                                     const hand::JointVector& joints) {
   for (int i = 0; i < hand.joint_count(); ++i) {
     data->qpos[scene.joint_positions[static_cast<std::size_t>(i)]] = joints[i];
   }
   for (int i = 0; i < 3; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    data->qpos[scene.base_positions[k]] = base.xyz[i];
-    data->qpos[scene.base_positions[k + 3]] = base.ypr[i];
+    data->qpos[scene.mount_positions[k]] = mount.xyz[i];
+    data->qpos[scene.mount_positions[k + 3]] = mount.ypr[i];
   }
   mj_kinematics(scene.model.get(), data.get());
 }
@@ -151,19 +151,19 @@ void CollisionScene::hold(const Eigen::Isometry3d& T_palm_object) {
   impl_->let_hand_meet_object(false);
 }
 
-Eigen::Isometry3d CollisionScene::palm_pose(const hand::BasePosition& base,
+Eigen::Isometry3d CollisionScene::palm_pose(const hand::MountPosition& mount,
                                             const hand::JointVector& joints) {
-  impl_->set_hand(base, joints);
+  impl_->set_hand(mount, joints);
   const mjData& data = *impl_->data;
   return pose3(data.xpos + 3 * impl_->palm, data.xquat + 4 * impl_->palm);
 }
 
 std::optional<planning::CollidingPair> CollisionScene::deepest_collision(
-    const hand::BasePosition& base, const hand::JointVector& joints) {
+    const hand::MountPosition& mount, const hand::JointVector& joints) {
   Impl& impl = *impl_;
-  impl.set_hand(base, joints);
+  impl.set_hand(mount, joints);
   if (impl.T_palm_object) {
-    impl.place(palm_pose(base, joints) * *impl.T_palm_object);
+    impl.place(palm_pose(mount, joints) * *impl.T_palm_object);
     mj_kinematics(impl.scene.model.get(), impl.data.get());
   }
   mj_collision(impl.scene.model.get(), impl.data.get());

@@ -49,14 +49,14 @@ struct SimulatedForwardModel::Impl {
   skills::RolloutOutcome outcome(const hand::HandReading& reading) const {
     skills::RolloutOutcome result;
     const mjtNum* const position = data->qpos + scene.object_position;
-    result.T_base_object = reading.base.pose().inverse() * pose3(position, position + 3);
+    result.T_mount_object = reading.mount.pose().inverse() * pose3(position, position + 3);
     for (std::size_t finger = 0; finger < reading.contacts.size(); ++finger) {
       for (const auto& contact : reading.contacts[finger]) {
         result.tip_forces[finger] -= contact.f.dot(contact.n);
       }
     }
     result.diverged =
-        !result.T_base_object.matrix().allFinite() || data->warning[mjWARN_BADQACC].number > 0;
+        !result.T_mount_object.matrix().allFinite() || data->warning[mjWARN_BADQACC].number > 0;
     return result;
   }
 

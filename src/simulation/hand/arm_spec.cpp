@@ -11,7 +11,7 @@
 namespace palpate::simulation {
 namespace {
 
-/// s, how late a joint follows: damping over stiffness, of the floating base and so of the arm.
+/// s, how late a joint follows: damping over stiffness, of the floating mount and so of the arm.
 constexpr double kFollowingLag = 0.06325;
 
 mjsElement& find_arm_part(mjSpec& spec, mjtObj type, const std::string& name) {

@@ -10,7 +10,7 @@ namespace palpate::simulation {
 inline constexpr const char* kArmPrefix = "arm_";  ///< of all names of the arm's file
 
 /// The model of an arm on its stand, with the hand fixed to its flange. The arm's weight is carried
-/// by its drives; its joints follow their commands as late as a floating base does.
+/// by its drives; its joints follow their commands as late as a floating mount does.
 /// @param hand_spec  the hand's model; keeps what the other needs, and must outlive it
 SpecHandle arm_with_hand(const hand::ArmDescription& arm, const hand::Description& hand,
                          const mjSpec& hand_spec);

@@ -13,20 +13,20 @@ namespace palpate::simulation {
 
 namespace {
 
-constexpr std::array<int, 6> kBaseAxes = {0, 1, 2, 2, 1, 0};  // of x y z, yaw pitch roll
+constexpr std::array<int, 6> kMountAxes = {0, 1, 2, 2, 1, 0};  // of x y z, yaw pitch roll
 
-/// Moves the first link on the base whose joints carry it: they stay where they are in the world.
+/// Moves the first link on the mount whose joints carry it: they stay where they are in the world.
 void carry_first_link(const hand::Description& believed, mjModel& model) {
   const hand::Link& root = believed.links.front();
   const int body = mj_name2id(&model, mjOBJ_BODY, file_link(believed, root.name).c_str());
   if (body < 0) throw BadInput(fmt::format("the hand's model has no link '{}'", root.name));
-  if (model.body_jntnum[body] != static_cast<int>(kBaseAxes.size())) return;  // it stands fast
-  const Eigen::Isometry3d T_root_base = root.T_parent_link.inverse();
+  if (model.body_jntnum[body] != static_cast<int>(kMountAxes.size())) return;  // it stands fast
+  const Eigen::Isometry3d T_root_mount = root.T_parent_link.inverse();
   write_pose(root.T_parent_link, model.body_pos + 3 * body, model.body_quat + 4 * body);
-  for (std::size_t i = 0; i < kBaseAxes.size(); ++i) {
+  for (std::size_t i = 0; i < kMountAxes.size(); ++i) {
     const int joint = model.body_jntadr[body] + static_cast<int>(i);
-    Eigen::Vector3d::Map(model.jnt_axis + 3 * joint) = T_root_base.linear().col(kBaseAxes[i]);
-    Eigen::Vector3d::Map(model.jnt_pos + 3 * joint) = T_root_base.translation();
+    Eigen::Vector3d::Map(model.jnt_axis + 3 * joint) = T_root_mount.linear().col(kMountAxes[i]);
+    Eigen::Vector3d::Map(model.jnt_pos + 3 * joint) = T_root_mount.translation();
   }
 }
 

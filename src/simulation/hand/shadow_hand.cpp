@@ -31,11 +31,11 @@ Eigen::Isometry3d pose_in(const mjSpec& spec, const std::string& root, const std
 
 /// Palm down, fingers along +x, thumb side +y, or, of a left hand, -y.
 Eigen::Isometry3d root_at_mount(const mjSpec& spec, const hand::Description& hand, bool left) {
-  Eigen::Isometry3d T_base_palm = Eigen::Isometry3d::Identity();
-  T_base_palm.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // x to +y, y to +z, z to +x
+  Eigen::Isometry3d T_mount_palm = Eigen::Isometry3d::Identity();
+  T_mount_palm.linear() << 0, 0, 1, 1, 0, 0, 0, 1, 0;  // x to +y, y to +z, z to +x
   const Eigen::Vector3d side(left ? -1 : 1, 1, 1);
-  T_base_palm.translation() = -(T_base_palm.linear() * side.cwiseProduct(kGraspCenter));
-  return T_base_palm * pose_in(spec, hand.file.root, file_link(hand, "palm")).inverse();
+  T_mount_palm.translation() = -(T_mount_palm.linear() * side.cwiseProduct(kGraspCenter));
+  return T_mount_palm * pose_in(spec, hand.file.root, file_link(hand, "palm")).inverse();
 }
 
 std::string distal_body(const hand::Description& hand, int finger) {

@@ -120,7 +120,7 @@ DrawnScene compose_drawn_scene(const hand::Description& hand, const geometry::Kn
   const SpecHandle spec = parse_hand(hand);
   mjsBody& root = find_body(*spec, hand.file.root);
   DrawnScene scene;
-  scene.T_base_hand = pose3(root.pos, root.quat);
+  scene.T_mount_hand = pose3(root.pos, root.quat);
   add_free_body(root);
   add_surroundings(*spec);
   add_object(*spec, object.mesh);
@@ -140,7 +140,7 @@ DrawnScene compose_drawn_scene(const hand::Description& hand, const geometry::Kn
 }
 
 void pose_scene(const DrawnScene& scene, const DrawnState& state, mjData& data) {
-  const Eigen::Isometry3d T_world_hand = state.base.pose() * scene.T_base_hand;
+  const Eigen::Isometry3d T_world_hand = state.mount.pose() * scene.T_mount_hand;
   if (!T_world_hand.matrix().allFinite() || !state.T_world_object.matrix().allFinite() ||
       !state.joints.allFinite()) {
     const Eigen::Vector3d& object = state.T_world_object.translation();

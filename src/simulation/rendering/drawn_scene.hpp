@@ -12,7 +12,7 @@ namespace palpate::simulation {
 /// lights.
 struct DrawnScene {
   ModelHandle model;
-  Eigen::Isometry3d T_base_hand = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_mount_hand = Eigen::Isometry3d::Identity();
   std::vector<int> joint_positions;  ///< addresses in qpos
   int hand_position = -1;            ///< address in qpos
   int object_position = -1;          ///< address in qpos

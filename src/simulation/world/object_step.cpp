@@ -87,9 +87,9 @@ ObjectStep read_object_step(const Scene& scene, const mjData& data, const StepSt
   step.time = data.time - m.opt.timestep;
   // Bodies and contacts are still those of the step's start; positions and velocities are not.
   step.T_world_object = body_pose(data, scene.object);
-  const Eigen::Isometry3d T_base_root =
+  const Eigen::Isometry3d T_mount_root =
       pose3(m.body_pos + 3 * scene.root, m.body_quat + 4 * scene.root);
-  step.T_world_base = body_pose(data, scene.root) * T_base_root.inverse();
+  step.T_world_mount = body_pose(data, scene.root) * T_mount_root.inverse();
   step.joints = start.joints;
   step.gravity = m.body_mass[scene.object] * vector3(m.opt.gravity);
   step.momentum_change = object_momentum(scene, data) - start.momentum;

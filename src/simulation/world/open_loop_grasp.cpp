@@ -15,7 +15,7 @@ constexpr double kApproach = 0.22;   // m before the object where a side approac
 constexpr double kOvershoot = 0.03;  // m past its place where it ends at the latest
 constexpr double kSpeed = 0.1;       // m/s
 constexpr double kDescent = 0.08;    // m, from where the approach from above starts
-constexpr double kSideLoad = 1.0;    // N on the base that ends the approach
+constexpr double kSideLoad = 1.0;    // N on the mount that ends the approach
 constexpr double kTopLoad = 2.5;     // N
 constexpr int kSettingOut = 40;      // ticks whose load is that of setting out
 constexpr double kLift = 0.1;        // m
@@ -62,16 +62,16 @@ hand::HandCommand opened(const hand::Description& hand, const OpenLoopGrasp& gra
   set("THJ4", grasp.side ? 1.08 : 1.03);
   set("THJ2", grasp.side ? -0.34 : -0.21);
   if (grasp.side) {
-    command.base.xyz << 0.002, -kApproach, grasp.height;
-    command.base.ypr << 0, 0.197, 0.5 * std::numbers::pi - 0.017;
+    command.mount.xyz << 0.002, -kApproach, grasp.height;
+    command.mount.ypr << 0, 0.197, 0.5 * std::numbers::pi - 0.017;
   } else {
-    command.base.xyz << -0.027, -0.02, grasp.height + kDescent;
-    command.base.ypr << 0, 0.475, -0.3;
+    command.mount.xyz << -0.027, -0.02, grasp.height + kDescent;
+    command.mount.ypr << 0, 0.475, -0.3;
   }
   return command;
 }
 
-/// Moves the base along y, or down, until it bears a load or the way is done.
+/// Moves the mount along y, or down, until it bears a load or the way is done.
 hand::HandReading approach(World& world, hand::HandCommand& command, bool side) {
   hand::HandReading reading;
   const int axis = side ? 1 : 2;
@@ -79,9 +79,9 @@ hand::HandReading approach(World& world, hand::HandCommand& command, bool side) 
   const double load = side ? kSideLoad : kTopLoad;
   const int most = ticks(std::abs(way) / kSpeed);
   for (int tick = 0; tick < most; ++tick) {
-    command.base.xyz[axis] += way / most;
+    command.mount.xyz[axis] += way / most;
     reading = world.hand().step(command);
-    if (tick > kSettingOut && std::abs(reading.base_force[axis]) > load) break;
+    if (tick > kSettingOut && std::abs(reading.mount_force[axis]) > load) break;
   }
   return reading;
 }
@@ -103,7 +103,7 @@ bool run_open_loop_grasp(World& world, const OpenLoopGrasp& grasp, hand::HandCom
   for (int tick = 0; tick < lifted + ticks(grasp.hold_seconds); ++tick) {
     const double share = std::clamp((tick - closed) * hand::kTick / kRamp, 0.0, 1.0);
     law.advance(command, reading, touch + share * (hold - touch), kAll);
-    if (tick >= held && tick < lifted) command.base.xyz.z() += kLift / (lifted - held);
+    if (tick >= held && tick < lifted) command.mount.xyz.z() += kLift / (lifted - held);
     reading = world.hand().step(command);
   }
   if (last) *last = command;

@@ -58,17 +58,17 @@ constexpr const char* kSecond = "palpate:second_object";
 constexpr double kSecondMass = 0.2;                   // kg
 constexpr const char* kFixture = "palpate:fixture_";  // and a number
 
-struct BaseAxis {
+struct MountAxis {
   const char* name;
   mjtJoint type;
   int axis;
 };
-constexpr std::array<BaseAxis, 6> kBaseAxes = {{{"palpate:base_x", mjJNT_SLIDE, 0},
-                                                {"palpate:base_y", mjJNT_SLIDE, 1},
-                                                {"palpate:base_z", mjJNT_SLIDE, 2},
-                                                {"palpate:base_yaw", mjJNT_HINGE, 2},
-                                                {"palpate:base_pitch", mjJNT_HINGE, 1},
-                                                {"palpate:base_roll", mjJNT_HINGE, 0}}};
+constexpr std::array<MountAxis, 6> kMountAxes = {{{"palpate:mount_x", mjJNT_SLIDE, 0},
+                                                  {"palpate:mount_y", mjJNT_SLIDE, 1},
+                                                  {"palpate:mount_z", mjJNT_SLIDE, 2},
+                                                  {"palpate:mount_yaw", mjJNT_HINGE, 2},
+                                                  {"palpate:mount_pitch", mjJNT_HINGE, 1},
+                                                  {"palpate:mount_roll", mjJNT_HINGE, 0}}};
 
 struct Servo {
   double stiffness, damping, limit;
@@ -140,17 +140,17 @@ void add_fixture(mjSpec& spec, const planning::Fixture& fixture, double friction
   }
 }
 
-void add_base_joint(mjSpec& spec, mjsBody& root, const BaseAxis& axis) {
-  const Eigen::Isometry3d T_root_base = pose3(root.pos, root.quat).inverse();
+void add_mount_joint(mjSpec& spec, mjsBody& root, const MountAxis& axis) {
+  const Eigen::Isometry3d T_root_mount = pose3(root.pos, root.quat).inverse();
   mjsJoint* joint = mjs_addJoint(&root, mjs_getSpecDefault(&spec));
   set_name(joint->element, axis.name);
   joint->type = axis.type;
-  Eigen::Vector3d::Map(joint->axis) = T_root_base.linear().col(axis.axis);
-  Eigen::Vector3d::Map(joint->pos) = T_root_base.translation();
+  Eigen::Vector3d::Map(joint->axis) = T_root_mount.linear().col(axis.axis);
+  Eigen::Vector3d::Map(joint->pos) = T_root_mount.translation();
   if (axis.type == mjJNT_HINGE) joint->armature = kHingeInertia;
 }
 
-void add_base_servo(mjSpec& spec, const BaseAxis& axis) {
+void add_mount_servo(mjSpec& spec, const MountAxis& axis) {
   const Servo& servo = axis.type == mjJNT_SLIDE ? kSlideServo : kHingeServo;
   mjsActuator* actuator = mjs_addActuator(&spec, mjs_getSpecDefault(&spec));
   set_name(actuator->element, axis.name);
@@ -164,11 +164,11 @@ void add_base_servo(mjSpec& spec, const BaseAxis& axis) {
   actuator->forcerange[1] = servo.limit;
 }
 
-void add_base(mjSpec& spec, const hand::Description& hand) {
+void add_mount(mjSpec& spec, const hand::Description& hand) {
   mjsBody& root = find_body(spec, hand.file.root);
-  for (const BaseAxis& axis : kBaseAxes) {
-    add_base_joint(spec, root, axis);
-    add_base_servo(spec, axis);
+  for (const MountAxis& axis : kMountAxes) {
+    add_mount_joint(spec, root, axis);
+    add_mount_servo(spec, axis);
   }
 }
 
@@ -288,7 +288,7 @@ struct Carrier {
 Carrier carrier(const hand::ArmDescription* arm) {
   Carrier names;
   if (!arm) {
-    for (const BaseAxis& axis : kBaseAxes) {
+    for (const MountAxis& axis : kMountAxes) {
       names.joints.emplace_back(axis.name);
       names.actuators.emplace_back(axis.name);
     }
@@ -312,7 +312,7 @@ void locate(const hand::Description& hand, const hand::ArmDescription* arm, Scen
   }
   const Carrier names = carrier(arm);
   for (std::size_t i = 0; i < names.joints.size(); ++i) {
-    scene.base_positions.push_back(m.jnt_qposadr[find_id(m, mjOBJ_JOINT, names.joints[i])]);
+    scene.mount_positions.push_back(m.jnt_qposadr[find_id(m, mjOBJ_JOINT, names.joints[i])]);
     scene.base_actuators.push_back(find_id(m, mjOBJ_ACTUATOR, names.actuators[i]));
   }
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
@@ -366,7 +366,7 @@ Scene compose_scene(const hand::Description& hand, const SolidObject& solid,
   const SpecHandle hand_spec = parse_hand(hand);
   prepare_hand(*hand_spec, hand, options);
   const hand::ArmDescription* const arm = surroundings.arm;
-  if (!arm) add_base(*hand_spec, hand);
+  if (!arm) add_mount(*hand_spec, hand);
   const SpecHandle carried = arm ? arm_with_hand(*arm, hand, *hand_spec) : SpecHandle();
   mjSpec* const spec = arm ? carried.get() : hand_spec.get();
   set_solver(*spec, options);

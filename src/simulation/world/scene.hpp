@@ -21,7 +21,7 @@ inline const Eigen::Vector3d kSecondHalf{0.02, 0.03, 0.04};  ///< m, half extent
 struct Surroundings {
   Eigen::Matrix3d R_world_table = Eigen::Matrix3d::Identity();  ///< through the world's origin
   planning::Fixture fixture = {};                               ///< in the table's frame
-  const hand::ArmDescription* arm = nullptr;                    ///< none: a floating base
+  const hand::ArmDescription* arm = nullptr;                    ///< none: a floating mount
 };
 
 /// The model of table, hand and object, and where in it each thing is.
@@ -31,7 +31,7 @@ struct Scene {
   std::vector<int> links = {};            ///< of the hand, by body; -1 for other bodies
   std::vector<int> joint_positions = {};  ///< addresses in qpos
   std::vector<int> actuators = {};        ///< ids
-  std::vector<int> base_positions = {};   ///< addresses in qpos: x y z yaw pitch roll, or the arm's
+  std::vector<int> mount_positions = {};  ///< addresses in qpos: x y z yaw pitch roll, or the arm's
   std::vector<int> base_actuators = {};   ///< ids, in that order
   std::vector<int> tips = {};             ///< geoms, one a finger
   std::vector<std::unique_ptr<const geometry::RoundedHull>> tip_hulls = {};  ///< of those with one
@@ -50,7 +50,7 @@ struct Scene {
 };
 
 /// Composes the scene: the options of the solver, the table with the fixture, the hand on its
-/// driven base or arm and the object: its true surface for the fingertips, convex parts for all
+/// driven mount or arm and the object: its true surface for the fingertips, convex parts for all
 /// else. Gravity is along the table's normal.
 /// @param surface  of the object, in its frame; must outlive the scene
 /// @throws BadInput for options that are not positive, or if the hand or the object cannot be used

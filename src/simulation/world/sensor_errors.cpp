@@ -62,13 +62,13 @@ void SensorErrors::reset() {
   drift_touch(0);
   slipped_.setZero(torque_scale_.size());
   last_positions_.resize(0);
-  bases_.clear();
+  mounts_.clear();
   contacts_.clear();
 }
 
-hand::BasePosition SensorErrors::in_world(hand::BasePosition base) const {
-  base.xyz.z() += table_height_;
-  return base;
+hand::MountPosition SensorErrors::in_world(hand::MountPosition mount) const {
+  mount.xyz.z() += table_height_;
+  return mount;
 }
 
 hand::ActuatorVector SensorErrors::in_drives(const hand::ActuatorVector& positions) const {
@@ -76,10 +76,10 @@ hand::ActuatorVector SensorErrors::in_drives(const hand::ActuatorVector& positio
 }
 
 void SensorErrors::misread(hand::HandReading& reading) {
-  const Eigen::Matrix3d R_world_mount = reading.base.pose().linear();
-  reading.base_force += R_world_mount * (load_bias_ + reading.time * load_drift_);
-  reading.base_force.z() += load_weight_;
-  reading.base.xyz.z() -= table_height_;
+  const Eigen::Matrix3d R_world_mount = reading.mount.pose().linear();
+  reading.mount_force += R_world_mount * (load_bias_ + reading.time * load_drift_);
+  reading.mount_force.z() += load_weight_;
+  reading.mount.xyz.z() -= table_height_;
   misread_torques(reading);
   reading.joints += joint_zero_;
   drift_touch(ticks_of(reading.time));
@@ -125,9 +125,9 @@ void SensorErrors::misread_torques(hand::HandReading& reading) {
 }
 
 void SensorErrors::delay(hand::HandReading& reading, RandomStream& random) {
-  reading.base = delayed(bases_, reading.base, ticks_of(noise_.mount_delay));
-  reading.base.xyz += noise_.mount * random.normal3();
-  reading.base.ypr += noise_.mount_angle * random.normal3();
+  reading.mount = delayed(mounts_, reading.mount, ticks_of(noise_.mount_delay));
+  reading.mount.xyz += noise_.mount * random.normal3();
+  reading.mount.ypr += noise_.mount_angle * random.normal3();
   reading.contacts = delayed(contacts_, std::move(reading.contacts), ticks_of(noise_.touch_delay));
 }
 

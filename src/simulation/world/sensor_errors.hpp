@@ -17,14 +17,14 @@ class SensorErrors {
   SensorErrors(const WorldOptions& options, const hand::Description& hand, double weight,
                const RandomStream& random);
 
-  /// Where the base comes that the arm is commanded to move there: it does not know the table's
+  /// Where the mount comes that the arm is commanded to move there: it does not know the table's
   /// height.
-  [[nodiscard]] hand::BasePosition in_world(hand::BasePosition base) const;
+  [[nodiscard]] hand::MountPosition in_world(hand::MountPosition mount) const;
 
   /// Where the drives come that are commanded to go there: their zeros are off.
   [[nodiscard]] hand::ActuatorVector in_drives(const hand::ActuatorVector& positions) const;
 
-  /// Makes a reading of the true load and torques, the true base and joints into what is read.
+  /// Makes a reading of the true load and torques, the true mount and joints into what is read.
   void misread(hand::HandReading& reading);
 
   /// Adds to a contact of a fingertip the errors that its sensor has beside white noise; to be
@@ -64,7 +64,7 @@ class SensorErrors {
   std::vector<TouchError> touches_;                      // one a finger
   RandomStream touch_random_;
   hand::Description hand_;
-  std::deque<hand::BasePosition> bases_;
+  std::deque<hand::MountPosition> mounts_;
   std::deque<std::vector<std::vector<hand::TipContact>>> contacts_;
 };
 

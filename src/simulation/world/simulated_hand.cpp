@@ -10,7 +10,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "palpate/hand/nearest_base.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 #include "simulation/contact/fingertip_touch.hpp"
 #include "simulation/world/object_step.hpp"
 
@@ -21,9 +21,9 @@ using Index = std::size_t;
 
 constexpr double kTorqueLever = 0.025;  // m: noise of the torques over that of the mount's load
 
-Vector6d base_vector(const hand::BasePosition& base) {
+Vector6d mount_vector(const hand::MountPosition& mount) {
   Vector6d result;
-  result << base.xyz, base.ypr;
+  result << mount.xyz, mount.ypr;
   return result;
 }
 
@@ -51,35 +51,35 @@ SimulatedHand::SimulatedHand(const Scene& scene, mjData& data, const hand::Descr
 }
 
 void SimulatedHand::apply(const hand::HandCommand& command) {
-  const Vector6d base = base_vector(errors_.in_world(command.base));
+  const Vector6d mount = mount_vector(errors_.in_world(command.mount));
   if (command.positions.size() != stiffness_.size()) {
     throw BadInput(fmt::format("{} actuators are commanded, the hand has {}",
                                command.positions.size(), stiffness_.size()));
   }
-  if (!command.positions.allFinite() || !base.allFinite()) {
+  if (!command.positions.allFinite() || !mount.allFinite()) {
     throw BadInput(
         fmt::format("the hand's command has a value that is not finite: mount {}, sum of "
                     "positions {}",
-                    fmt::join(base, " "), command.positions.sum()));
+                    fmt::join(mount, " "), command.positions.sum()));
   }
   const hand::ActuatorVector positions = errors_.in_drives(command.positions);
   for (Index i = 0; i < scene_.actuators.size(); ++i) {
     data_.ctrl[scene_.actuators[i]] = positions[static_cast<int>(i)];
   }
-  carry_to(errors_.in_world(command.base));
+  carry_to(errors_.in_world(command.mount));
 }
 
-void SimulatedHand::carry_to(const hand::BasePosition& base) {
-  commanded_ = base;
+void SimulatedHand::carry_to(const hand::MountPosition& mount) {
+  commanded_ = mount;
   const auto command = [&](const auto& positions) {
     for (Index i = 0; i < scene_.base_actuators.size(); ++i) {
       data_.ctrl[scene_.base_actuators[i]] = positions[static_cast<int>(i)];
     }
   };
   if (follower_) {
-    command(follower_->follow(base.pose()));
+    command(follower_->follow(mount.pose()));
   } else {
-    command(base_vector(base));
+    command(mount_vector(mount));
   }
 }
 
@@ -87,11 +87,11 @@ hand::MountLimits SimulatedHand::mount_limits() const {
   return follower_ ? follower_->arm().limits : hand::MountLimits{};
 }
 
-hand::PathFeasibility SimulatedHand::check_path(std::span<const hand::BasePosition> way) const {
+hand::PathFeasibility SimulatedHand::check_path(std::span<const hand::MountPosition> way) const {
   if (!follower_) return {};
-  std::vector<hand::BasePosition> in_world;
+  std::vector<hand::MountPosition> in_world;
   in_world.reserve(way.size());
-  for (const hand::BasePosition& base : way) in_world.push_back(errors_.in_world(base));
+  for (const hand::MountPosition& mount : way) in_world.push_back(errors_.in_world(mount));
   return follower_->check_path(in_world);
 }
 
@@ -153,7 +153,7 @@ void SimulatedHand::interpolate(const hand::ArmVector& from, double share) {
 
 void SimulatedHand::reset(const hand::HandCommand& command) {
   if (follower_) {
-    follower_->reset(errors_.in_world(command.base).pose(), hand::working_tour(hand_));
+    follower_->reset(errors_.in_world(command.mount).pose(), hand::working_tour(hand_));
   }
   apply(command);
   const hand::JointVector joints =
@@ -161,8 +161,8 @@ void SimulatedHand::reset(const hand::HandCommand& command) {
   for (Index i = 0; i < scene_.joint_positions.size(); ++i) {
     data_.qpos[scene_.joint_positions[i]] = joints[static_cast<int>(i)];
   }
-  for (Index i = 0; i < scene_.base_positions.size(); ++i) {  // there already, and at rest
-    data_.qpos[scene_.base_positions[i]] = data_.ctrl[scene_.base_actuators[i]];
+  for (Index i = 0; i < scene_.mount_positions.size(); ++i) {  // there already, and at rest
+    data_.qpos[scene_.mount_positions[i]] = data_.ctrl[scene_.base_actuators[i]];
   }
   integral_.reset();
   pushed_steps_ = 0;
@@ -185,9 +185,9 @@ hand::HandReading SimulatedHand::read() {
   for (int i = 0; i < hand_.actuator_count(); ++i) {
     reading.torques[i] = data_.actuator_force[scene_.actuators[static_cast<Index>(i)]];
   }
-  read_base(reading);
+  read_mount(reading);
   RandomStream loads = random_.fork("load", tick_);
-  reading.base_force += noise_.load * loads.normal3();
+  reading.mount_force += noise_.load * loads.normal3();
   errors_.misread(reading);
   for (double& torque : reading.torques) torque += noise_.load * kTorqueLever * loads.normal();
   read_contacts(reading, random);
@@ -196,22 +196,22 @@ hand::HandReading SimulatedHand::read() {
   return reading;
 }
 
-/// Of a floating base its drives report; of an arm the encoders, and a sensor at the flange.
-void SimulatedHand::read_base(hand::HandReading& reading) {
+/// Of a floating mount its drives report; of an arm the encoders, and a sensor at the flange.
+void SimulatedHand::read_mount(hand::HandReading& reading) {
   if (follower_) {
     hand::ArmVector joints(follower_->arm().joint_count());
-    for (Index i = 0; i < scene_.base_positions.size(); ++i) {
-      joints[static_cast<int>(i)] = data_.qpos[scene_.base_positions[i]];
+    for (Index i = 0; i < scene_.mount_positions.size(); ++i) {
+      joints[static_cast<int>(i)] = data_.qpos[scene_.mount_positions[i]];
     }
-    reading.base = hand::nearest_base(hand::mount_pose(follower_->arm(), joints), commanded_);
-    reading.base_force = flange_force();
+    reading.mount = hand::nearest_mount(hand::mount_pose(follower_->arm(), joints), commanded_);
+    reading.mount_force = flange_force();
     return;
   }
   for (int i = 0; i < 3; ++i) {
     const auto k = static_cast<Index>(i);
-    reading.base.xyz[i] = data_.qpos[scene_.base_positions[k]];
-    reading.base.ypr[i] = data_.qpos[scene_.base_positions[k + 3]];
-    reading.base_force[i] = data_.actuator_force[scene_.base_actuators[k]];
+    reading.mount.xyz[i] = data_.qpos[scene_.mount_positions[k]];
+    reading.mount.ypr[i] = data_.qpos[scene_.mount_positions[k + 3]];
+    reading.mount_force[i] = data_.actuator_force[scene_.base_actuators[k]];
   }
 }
 

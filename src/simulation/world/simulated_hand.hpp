@@ -24,10 +24,10 @@ class SimulatedHand : public hand::Hand {
   hand::HandReading step(const hand::HandCommand& command) override;
 
   [[nodiscard]] hand::PathFeasibility check_path(
-      std::span<const hand::BasePosition> way) const override;
+      std::span<const hand::MountPosition> way) const override;
   [[nodiscard]] hand::MountLimits mount_limits() const override;
 
-  /// The scene's arm carries the hand, instead of a floating base.
+  /// The scene's arm carries the hand, instead of a floating mount.
   void mount_on(const hand::ArmDescription& arm) { follower_.emplace(arm); }
 
   /// Puts the hand, at rest, where the command wants it, and starts the noise again. The coupled
@@ -48,8 +48,8 @@ class SimulatedHand : public hand::Hand {
   void integrate(const hand::HandCommand& command);
   void interpolate(const hand::ArmVector& from, double share);
   void step_physics();
-  void carry_to(const hand::BasePosition& base);
-  void read_base(hand::HandReading& reading);
+  void carry_to(const hand::MountPosition& mount);
+  void read_mount(hand::HandReading& reading);
   [[nodiscard]] Eigen::Vector3d flange_force() const;
   hand::HandReading read();
   void read_contacts(hand::HandReading& reading, RandomStream& random);
@@ -68,7 +68,7 @@ class SimulatedHand : public hand::Hand {
   int steps_a_tick_;
   StepObserver observer_;
   std::optional<hand::ArmFollower> follower_;
-  hand::BasePosition commanded_;  // in the world
+  hand::MountPosition commanded_;  // in the world
   std::optional<SimulatedBiotacs> biotacs_;
 };
 

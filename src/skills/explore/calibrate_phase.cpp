@@ -37,9 +37,9 @@ constexpr double kContradiction = 3.0;  // sigmas, rms, that touches leave unexp
 
 /// Lets the fingertip rest where it touches, no longer pushed on.
 void rest(Executor& robot, const CalibrateOptions& options) {
-  hand::BasePosition here = robot.command().base;
-  here.xyz += kLeadTakenBack * (robot.reading().base.xyz - here.xyz);  // it would push on
-  robot.move_base(here, options.speed);
+  hand::MountPosition here = robot.command().mount;
+  here.xyz += kLeadTakenBack * (robot.reading().mount.xyz - here.xyz);  // it would push on
+  robot.move_mount(here, options.speed);
   robot.wait(kSettling + options.rest);
   robot.add_event(estimation::TouchEvent::on_table);
 }
@@ -56,7 +56,7 @@ class LoadDirection {
     const auto count = std::min(readings.size(), rest);
     double rise = -free, press = 0;
     for (const auto& reading : readings.last(count)) {
-      rise += reading.base_force.z() / static_cast<double>(count);
+      rise += reading.mount_force.z() / static_cast<double>(count);
       press += hand::tip_force(reading, finger) / static_cast<double>(count);
     }
     ++touches_;
@@ -101,11 +101,12 @@ struct TableSearch {
 /// @throws SafetyStop for a load that is read with the wrong sign
 void require_right_load(Executor& robot, const LoadDirection& direction) {
   if (!direction.reversed()) return;
-  robot.stop_for(Fault::out_of_range,
-                 fmt::format("the mount's load rises by {:.1f} N for 1 N with which a fingertip "
-                             "presses on the table: base_force has the wrong sign, it is the force "
-                             "of the arm on the hand",
-                             direction.slope()));
+  robot.stop_for(
+      Fault::out_of_range,
+      fmt::format("the mount's load rises by {:.1f} N for 1 N with which a fingertip "
+                  "presses on the table: mount_force has the wrong sign, it is the force "
+                  "of the arm on the hand",
+                  direction.slope()));
 }
 
 void touch_table(Executor& robot, const CalibrationTouch& touch, const CalibrateOptions& options,
@@ -113,11 +114,11 @@ void touch_table(Executor& robot, const CalibrationTouch& touch, const Calibrate
   take_attitude(robot, touch, options);
   const double reach = search.height ? kSearchReach : kFirstReach;
   const double contact_height = search.height.value_or(0) - lowest(robot.model(), touch);
-  robot.move_base(touch.base(options, contact_height + reach), options.travel_speed);
+  robot.move_mount(touch.mount(options, contact_height + reach), options.travel_speed);
   std::optional<double> free;  // N, upwards, in the air
   if (search.next_load-- == 0) {
     const Eigen::Vector3d load = robot.steady_load();
-    search.load.add(robot.command().base, load);
+    search.load.add(robot.command().mount, load);
     free = load.z();
     search.next_load = options.touches / kLoadAttitudes;
   } else {
@@ -133,7 +134,7 @@ void touch_table(Executor& robot, const CalibrationTouch& touch, const Calibrate
                                why_insensitive(robot, finger)));
   }
   if (press == TablePress::sensed) {
-    search.height = lowest(robot.model(), touch) + robot.reading().base.xyz.z();
+    search.height = lowest(robot.model(), touch) + robot.reading().mount.xyz.z();
     rest(robot, options);
     if (free) search.direction.add(*free, robot.log(), touch.finger, options.rest);
     require_right_load(robot, search.direction);
@@ -180,7 +181,7 @@ void add_resting_tips(std::span<const hand::HandReading> window, double sigma,
     touches.push_back(
         {{static_cast<int>(finger), joints},
          sensed.p,
-         estimation::mean_base(window).pose().inverse(),
+         estimation::mean_mount(window).pose().inverse(),
          std::sqrt(std::max(sigma * sigma, sensed.mean_variance) + sensed.reported_variance)});
   }
 }
@@ -203,7 +204,7 @@ double unexplained(const tactile::HandCalibration& found,
                    const std::vector<tactile::TipOnPlane>& touches) {
   double sum = 0;
   for (tactile::TipOnPlane touch : touches) {
-    touch.T_base_plane = touch.T_base_plane * found.T_believed_plane;
+    touch.T_mount_plane = touch.T_mount_plane * found.T_believed_plane;
     sum += std::pow(tactile::distance_from_plane(found.hand, touch) / touch.sigma, 2);
   }
   return touches.empty() ? 0 : std::sqrt(sum / static_cast<double>(touches.size()));
@@ -239,8 +240,8 @@ PhaseEnd CalibratePhase::run(Executor& robot, PickState& state) {
   const hand::HandCommand& now = robot.command();
   const double free =
       std::max(kFreeHeight, state.clear_height -
-                                lowest_part(robot.model(), now.positions, attitude_of(now.base)));
-  rise(robot, std::max(0.0, free - now.base.xyz.z()), options_.travel_speed);
+                                lowest_part(robot.model(), now.positions, attitude_of(now.mount)));
+  rise(robot, std::max(0.0, free - now.mount.xyz.z()), options_.travel_speed);
   const auto touches = table_touches(robot.log(), options_);
   const tactile::HandCalibration found = calibration(before, robot.log(), options_);
   robot.set_model(found.hand);

@@ -112,7 +112,7 @@ bool shorten(std::vector<CalibrationTouch>& touches) {
 
 }  // namespace
 
-hand::BasePosition CalibrationTouch::base(const CalibrateOptions& options, double height) const {
+hand::MountPosition CalibrationTouch::mount(const CalibrateOptions& options, double height) const {
   return {{options.x + aside.x(), options.y + aside.y(), height},
           {0, attitude.pitch, attitude.roll}};
 }
@@ -154,7 +154,7 @@ std::vector<CalibrationTouch> calibration_touches(const hand::Description& hand,
   for (const CalibrationTouch& touch : possible) {
     tips.push_back({{touch.finger, hand::joints_in_free_flexion(hand, touch.posture)},
                     Eigen::Vector3d::Zero(),
-                    touch.base(options, 0).pose().inverse(),
+                    touch.mount(options, 0).pose().inverse(),
                     options.sigma});
   }
   std::vector<CalibrationTouch> chosen;

@@ -16,7 +16,7 @@ struct CalibrationTouch {
   Eigen::Vector2d aside = Eigen::Vector2d::Zero();  ///< of the place where the table is bare, m
 
   /// @param height  of the mount, m
-  [[nodiscard]] hand::BasePosition base(const CalibrateOptions& options, double height) const;
+  [[nodiscard]] hand::MountPosition mount(const CalibrateOptions& options, double height) const;
 };
 
 /// The touches that are most informative about where fingertips are in grasps, in an order in which

@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kClearanceAbove = 0.02;  // m of the hand over the object while travelling
 constexpr double kContactSeconds = 0.12;  // s of contact that are averaged
-constexpr double kBlockedLoad = 0.15;     // N more on the base: something but the fingertip touches
+constexpr double kBlockedLoad = 0.15;  // N more on the mount: something but the fingertip touches
 constexpr int kBlockedMoves = 2;  // of a hand that sensed nothing, before its finger is changed
 constexpr double kMinInformation = 0.03;
 constexpr double kHigher = 0.006;     // m, of another try where the hand was blocked
@@ -44,11 +44,12 @@ Executor::StopCondition tip_touches(int finger, double force) {
   };
 }
 
-/// Takes back most of the lead that the base's command has on the base, which would go on pushing.
+/// Takes back most of the lead that the mount's command has on the mount, which would go on
+/// pushing.
 void stop_here(Executor& robot, double speed) {
-  hand::BasePosition here = robot.command().base;
-  here.xyz += kLeadTakenBack * (robot.reading().base.xyz - here.xyz);
-  robot.move_base(here, speed);
+  hand::MountPosition here = robot.command().mount;
+  here.xyz += kLeadTakenBack * (robot.reading().mount.xyz - here.xyz);
+  robot.move_mount(here, speed);
 }
 
 /// The even numbers below a count, then the odd ones.
@@ -99,16 +100,16 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   raised_ = 0;
   blocked_ = 0;
   top_ = 0;
-  hand::BasePosition up = robot.command().base;
+  hand::MountPosition up = robot.command().mount;
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
   probe_ = first_trusted(robot);
   const auto& hand = pointing(robot);
   const double low =
-      lowest_on_way(robot.model(), robot.command().positions, attitude_of(robot.command().base),
+      lowest_on_way(robot.model(), robot.command().positions, attitude_of(robot.command().mount),
                     hand.positions, {hand.attitude.pitch, hand.attitude.roll});
   up.xyz.z() = std::max(up.xyz.z(),
                         likely_top(estimator_.candidates(), state.height) + kClearanceAbove - low);
-  robot.move_base(up, options_.travel_speed);
+  robot.move_mount(up, options_.travel_speed);
   take_posture(robot, pointing(robot).positions, 0.5);
   robot.wait(0.1);
   int touches = touch_around(robot, state);
@@ -154,9 +155,9 @@ int ExplorePhase::touch_with_another(Executor& robot, PickState& state) {
     robot.stop_for(Fault::touch_lost, "no finger that can probe senses what blocks the hand");
   }
   blocked_ = 0;
-  hand::BasePosition up = robot.command().base;
+  hand::MountPosition up = robot.command().mount;
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
-  robot.move_base(up, options_.travel_speed);
+  robot.move_mount(up, options_.travel_speed);
   take_posture(robot, pointing(robot).positions, 0.5);
   robot.wait(0.1);
   return touch_around(robot, state);
@@ -287,15 +288,15 @@ localization::GuardedMove ExplorePhase::shortened(const Executor& robot, const P
 ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const PickState& state,
                                                         const localization::TurnedMove& turned) {
   const localization::GuardedMove move = shortened(robot, state, turned);
-  const auto base_at = [&](const Eigen::Vector3d& tip) {
-    return base_for_probe(robot, pointing(robot), yaw(turned.turn), tip);
+  const auto mount_at = [&](const Eigen::Vector3d& tip) {
+    return mount_for_probe(robot, pointing(robot), yaw(turned.turn), tip);
   };
   Eigen::Vector3d above = move.from;
   above.z() = std::max(above.z(), travel_height(robot, state));
   for (const Eigen::Vector3d& tip : {above, move.from, move.to}) {
-    if (!robot.obstacle(base_at(tip)).empty()) return GuardedMoveEnd::missed;  // no information
+    if (!robot.obstacle(mount_at(tip)).empty()) return GuardedMoveEnd::missed;  // no information
   }
-  robot.move_base(base_at(above), options_.travel_speed);
+  robot.move_mount(mount_at(above), options_.travel_speed);
   const localization::TurnedMove descent{{above, move.from}, turned.turn};
   GuardedMoveEnd end = come_down(robot, state, descent);
   const bool there = end == GuardedMoveEnd::missed;
@@ -306,7 +307,7 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::guarded_move(Executor& robot, const P
                              speed_of_touch(estimator_.candidates(), options_));
   }
   if (end == GuardedMoveEnd::timed_out) return end;
-  go_back(robot, there ? move : descent.guarded_move, base_at(above).xyz.z());
+  go_back(robot, there ? move : descent.guarded_move, mount_at(above).xyz.z());
   return end;
 }
 
@@ -320,8 +321,8 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::come_down(Executor& robot, const Pick
   bool touched = false;
   const auto stopped = [&](double down, double speed) {
     const Eigen::Vector3d to = move.from - down * Eigen::Vector3d::UnitZ();
-    return robot.move_base(
-               base_for_probe(robot, pointing(robot), yaw(descent.turn), to), speed,
+    return robot.move_mount(
+               mount_for_probe(robot, pointing(robot), yaw(descent.turn), to), speed,
                [&, tip = tip_touches(pointing(robot).finger, options_.touch_force),
                 hit = impact(robot, -Eigen::Vector3d::UnitZ())](const auto& reading) mutable {
                  touched = tip(reading);
@@ -349,8 +350,8 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::move_until_contact(
   bool touched = false;
   const auto move_to = [&](const Eigen::Vector3d& to, double speed) {
     const auto tip = tip_touches(pointing(robot).finger, options_.touch_force);
-    return robot.move_base(
-        base_for_probe(robot, pointing(robot), yaw(turned.turn), to), speed,
+    return robot.move_mount(
+        mount_for_probe(robot, pointing(robot), yaw(turned.turn), to), speed,
         [&, blocked = rising_load(robot, forward, kBlockedLoad),
          hit = impact(robot, forward)](const hand::HandReading& reading) mutable {
           touched = tip(reading);
@@ -381,11 +382,11 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::end_of(Executor& robot,
 /// Back from where a guarded move has ended, and up.
 void ExplorePhase::go_back(Executor& robot, const localization::GuardedMove& move,
                            double height) const {
-  hand::BasePosition back = robot.command().base;
+  hand::MountPosition back = robot.command().mount;
   back.xyz -= kBackOff * (move.to - move.from).normalized();
-  robot.move_base(back, options_.travel_speed / 4);
+  robot.move_mount(back, options_.travel_speed / 4);
   back.xyz.z() = std::max(back.xyz.z(), height);
-  robot.move_base(back, options_.travel_speed);
+  robot.move_mount(back, options_.travel_speed);
 }
 
 }  // namespace palpate::skills

@@ -28,12 +28,13 @@ const std::vector<Eigen::Vector2d> kSearch = {{0, 0}, {0.5, 0}, {0, 0.5}, {-0.5,
 PhaseEnd HeightProbePhase::run(Executor& robot, PickState& state) {
   const Eigen::Vector2d rough = state.place;
   const hand::FlatHand& flat = robot.model().postures.flat;
-  const double low = lowest_on_way(robot.model(), flat.positions, attitude_of(robot.command().base),
-                                   flat.positions, flat.attitude);
-  hand::BasePosition high = robot.command().base;
+  const double low =
+      lowest_on_way(robot.model(), flat.positions, attitude_of(robot.command().mount),
+                    flat.positions, flat.attitude);
+  hand::MountPosition high = robot.command().mount;
   if (high.xyz.z() < state.clear_height - low) {
     high.xyz.z() = state.clear_height - low;
-    robot.move_base(high, options_.travel_speed);
+    robot.move_mount(high, options_.travel_speed);
   }
   take_posture(robot, flat.positions, 0.4);
   for (const auto& side : kSearch) {
@@ -58,10 +59,10 @@ bool HeightProbePhase::lower(Executor& robot, PickState& state,
                              const Eigen::Vector2d& place) const {
   const hand::FlatHand& flat = robot.model().postures.flat;
   const Eigen::Vector2d xy = place - Eigen::Rotation2Dd(state.yaw) * flat.center;
-  hand::BasePosition above;
+  hand::MountPosition above;
   above.xyz = {xy.x(), xy.y(), start_height(robot.model(), state.clear_height)};
   above.ypr = {state.yaw, flat.attitude.pitch, flat.attitude.roll};
-  robot.move_base(above, options_.travel_speed);
+  robot.move_mount(above, options_.travel_speed);
   robot.tare();
 
   const bool found = descend(robot);
@@ -69,9 +70,9 @@ bool HeightProbePhase::lower(Executor& robot, PickState& state,
     robot.add_event(estimation::TouchEvent::height_probed);
     state.height = estimation::lowest_of_hand(robot.model(), robot.reading());
   }
-  hand::BasePosition up = robot.command().base;
+  hand::MountPosition up = robot.command().mount;
   up.xyz.z() = found ? up.xyz.z() + kRetreat : above.xyz.z();
-  robot.move_base(up, options_.travel_speed);
+  robot.move_mount(up, options_.travel_speed);
   return found;
 }
 
@@ -79,15 +80,15 @@ bool HeightProbePhase::lower(Executor& robot, PickState& state,
 bool HeightProbePhase::descend(Executor& robot) const {
   bool found = false;
   const auto down_to = [&](double height, double speed) {
-    hand::BasePosition low = robot.command().base;
+    hand::MountPosition low = robot.command().mount;
     low.xyz.z() = height;
     const auto touched = lasting_load(robot, -Eigen::Vector3d::UnitZ(), options_.touch_force);
-    return robot.move_base(low, speed, [&](const hand::HandReading& reading) {
+    return robot.move_mount(low, speed, [&](const hand::HandReading& reading) {
       found = touched(reading);
       return found || estimation::lowest_of_hand(robot.model(), reading) < options_.clearance;
     });
   };
-  const double height = robot.command().base.xyz.z();
+  const double height = robot.command().mount.xyz.z();
   const double lowest = estimation::lowest_of_hand(robot.model(), robot.reading());
   const double clear_way = lowest - std::max(options_.clearance, tallest_ + kSlowAbove);
   if (clear_way > 0 && down_to(height - clear_way, options_.speed) != MotionEnd::reached) {

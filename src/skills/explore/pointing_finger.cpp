@@ -6,42 +6,42 @@
 namespace palpate::skills {
 namespace {
 
-/// Centre of the probing fingertip in the base's frame, by the posture read.
-Eigen::Vector3d probe_in_base(const Executor& robot, const hand::PointingHand& pointing) {
-  const auto T_base_link = hand::forward_kinematics(robot.model(), robot.reading().joints);
+/// Centre of the probing fingertip in the mount's frame, by the posture read.
+Eigen::Vector3d probe_in_mount(const Executor& robot, const hand::PointingHand& pointing) {
+  const auto T_mount_link = hand::forward_kinematics(robot.model(), robot.reading().joints);
   const hand::Finger& finger = robot.model().fingers[static_cast<std::size_t>(pointing.finger)];
-  return T_base_link[static_cast<std::size_t>(finger.link)] * finger.tip.b;
+  return T_mount_link[static_cast<std::size_t>(finger.link)] * finger.tip.b;
 }
 
 }  // namespace
 
-hand::BasePosition base_for_probe(const Executor& robot, const hand::PointingHand& pointing,
-                                  double yaw, const Eigen::Vector3d& p) {
-  hand::BasePosition base;
-  base.ypr = {yaw, pointing.attitude.pitch, pointing.attitude.roll};
-  base.xyz = p - base.pose().linear() * probe_in_base(robot, pointing);
-  return base;
+hand::MountPosition mount_for_probe(const Executor& robot, const hand::PointingHand& pointing,
+                                    double yaw, const Eigen::Vector3d& p) {
+  hand::MountPosition mount;
+  mount.ypr = {yaw, pointing.attitude.pitch, pointing.attitude.roll};
+  mount.xyz = p - mount.pose().linear() * probe_in_mount(robot, pointing);
+  return mount;
 }
 
 double tip_above_lowest(const Executor& robot, const hand::PointingHand& pointing) {
   const hand::Attitude attitude{pointing.attitude.pitch, pointing.attitude.roll};
-  const double tip = -base_for_probe(robot, pointing, 0, Eigen::Vector3d::Zero()).xyz.z();
+  const double tip = -mount_for_probe(robot, pointing, 0, Eigen::Vector3d::Zero()).xyz.z();
   return tip - lowest_part(robot.model(), pointing.positions, attitude);
 }
 
 localization::ProbingFinger probing_finger(const Executor& robot,
                                            const hand::PointingHand& pointing, double yaw) {
   const auto& hand = robot.model();
-  const auto T_base_link = hand::forward_kinematics(hand, robot.reading().joints);
-  const Eigen::Matrix3d R_world_base =
-      base_for_probe(robot, pointing, yaw, Eigen::Vector3d::Zero()).pose().linear();
-  const Eigen::Vector3d tip_center = probe_in_base(robot, pointing);
+  const auto T_mount_link = hand::forward_kinematics(hand, robot.reading().joints);
+  const Eigen::Matrix3d R_world_mount =
+      mount_for_probe(robot, pointing, yaw, Eigen::Vector3d::Zero()).pose().linear();
+  const Eigen::Vector3d tip_center = probe_in_mount(robot, pointing);
   localization::ProbingFinger finger;
-  finger.R_world_base = R_world_base;
+  finger.R_world_mount = R_world_mount;
   for (const auto& sphere : hand.spheres) {
-    const Eigen::Vector3d p = T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
+    const Eigen::Vector3d p = T_mount_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
     const bool tip = sphere.link == hand.fingers[static_cast<std::size_t>(pointing.finger)].link;
-    (tip ? finger.tip : finger.rest).push_back({R_world_base * (p - tip_center), sphere.radius});
+    (tip ? finger.tip : finger.rest).push_back({R_world_mount * (p - tip_center), sphere.radius});
   }
   return finger;
 }

@@ -6,9 +6,9 @@
 
 namespace palpate::skills {
 
-/// Base position, turned by a yaw, that brings the probing fingertip to p (world).
-hand::BasePosition base_for_probe(const Executor& robot, const hand::PointingHand& pointing,
-                                  double yaw, const Eigen::Vector3d& p);
+/// Mount position, turned by a yaw, that brings the probing fingertip to p (world).
+hand::MountPosition mount_for_probe(const Executor& robot, const hand::PointingHand& pointing,
+                                    double yaw, const Eigen::Vector3d& p);
 
 /// m from the lowest part of the hand that points up to the centre of its fingertip.
 double tip_above_lowest(const Executor& robot, const hand::PointingHand& pointing);

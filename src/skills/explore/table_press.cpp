@@ -17,7 +17,7 @@ constexpr int kPressedTicks = 3;         // of it in a row
 /// Stop condition: the hand presses downwards, be it sensed or not.
 Executor::StopCondition pressing_down() {
   return [loaded = 0](const hand::HandReading& reading) mutable {
-    loaded = -reading.base_force.z() > kUnsensedLoad ? loaded + 1 : 0;
+    loaded = -reading.mount_force.z() > kUnsensedLoad ? loaded + 1 : 0;
     return loaded >= kPressedTicks;
   };
 }
@@ -25,20 +25,20 @@ Executor::StopCondition pressing_down() {
 /// Goes to an attitude and a posture at once, above the table.
 void move_above(Executor& robot, const CalibrationTouch& touch, const CalibrateOptions& options) {
   const hand::HandCommand& now = robot.command();
-  const double low = lowest_on_way(robot.model(), now.positions, attitude_of(now.base),
+  const double low = lowest_on_way(robot.model(), now.positions, attitude_of(now.mount),
                                    touch.posture, touch.attitude);
-  const double high = std::max(now.base.xyz.z(), kTravelHeight - low);
-  rise(robot, high - now.base.xyz.z(), options.travel_speed);
-  robot.move_hand({touch.posture, touch.base(options, high)}, options.travel_speed,
+  const double high = std::max(now.mount.xyz.z(), kTravelHeight - low);
+  rise(robot, high - now.mount.xyz.z(), options.travel_speed);
+  robot.move_hand({touch.posture, touch.mount(options, high)}, options.travel_speed,
                   kPostureSeconds);
 }
 
 }  // namespace
 
 void rise(Executor& robot, double way, double speed) {
-  hand::BasePosition up = robot.command().base;
+  hand::MountPosition up = robot.command().mount;
   up.xyz.z() += way;
-  robot.move_base(up, speed);
+  robot.move_mount(up, speed);
 }
 
 double lowest(const hand::Description& hand, const CalibrationTouch& touch) {
@@ -58,8 +58,8 @@ void take_attitude(Executor& robot, const CalibrationTouch& touch,
 bool is_reachable(const Executor& robot, const CalibrationTouch& touch,
                   const CalibrateOptions& options) {
   const double contact_height = -lowest(robot.model(), touch);
-  return robot.obstacle(touch.base(options, contact_height + kTravelHeight)).empty() &&
-         robot.obstacle(touch.base(options, contact_height)).empty();
+  return robot.obstacle(touch.mount(options, contact_height + kTravelHeight)).empty() &&
+         robot.obstacle(touch.mount(options, contact_height)).empty();
 }
 
 TablePress press_table(Executor& robot, const CalibrationTouch& touch,
@@ -70,7 +70,7 @@ TablePress press_table(Executor& robot, const CalibrationTouch& touch,
     sensed = hand::tip_force(reading, touch.finger) > options.touch_force;
     return sensed || loaded(reading);
   };
-  const auto end = robot.move_base(touch.base(options, height), options.speed, stop);
+  const auto end = robot.move_mount(touch.mount(options, height), options.speed, stop);
   if (end != MotionEnd::stopped) return TablePress::missed;
   return sensed ? TablePress::sensed : TablePress::unsensed;
 }

@@ -28,7 +28,7 @@ bool TouchTestPhase::is_insensitive(Executor& robot, int finger) const {
   take_attitude(robot, *touch, options_);
   const double contact_height = -lowest(robot.model(), *touch);
   for (int i = 0; i < kPresses; ++i) {
-    robot.move_base(touch->base(options_, contact_height + kReach), options_.travel_speed);
+    robot.move_mount(touch->mount(options_, contact_height + kReach), options_.travel_speed);
     robot.tare();
     const TablePress press = press_table(robot, *touch, options_, contact_height - kReach);
     rise(robot, kTravelHeight, options_.travel_speed);
@@ -40,9 +40,9 @@ bool TouchTestPhase::is_insensitive(Executor& robot, int finger) const {
 PhaseEnd TouchTestPhase::run(Executor& robot, PickState& state) {
   const auto high = [&] {
     const hand::HandCommand& now = robot.command();
-    const double low = lowest_part(robot.model(), now.positions, attitude_of(now.base));
+    const double low = lowest_part(robot.model(), now.positions, attitude_of(now.mount));
     const double free = std::max(kFreeHeight, state.clear_height - low);
-    rise(robot, std::max(0.0, free - now.base.xyz.z()), options_.travel_speed);
+    rise(robot, std::max(0.0, free - now.mount.xyz.z()), options_.travel_speed);
   };
   std::vector<std::string> insensitive;
   for (const int finger : robot.suspects()) {

@@ -33,9 +33,9 @@ constexpr std::size_t kTouchReadings = 15;
 constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
 constexpr int kPlans = 6;  // tried for one that can be reached
 
-/// Position of the base that puts it at `ahead`, `left` of a place, seen along the yaw.
-hand::BasePosition base_at(const PickState& state, const hand::Preshape& preshape, double ahead,
-                           double left, double height) {
+/// Position of the mount that puts it at `ahead`, `left` of a place, seen along the yaw.
+hand::MountPosition mount_at(const PickState& state, const hand::Preshape& preshape, double ahead,
+                             double left, double height) {
   const Eigen::Rotation2Dd turn(state.yaw);
   const Eigen::Vector2d xy = state.place + turn * Eigen::Vector2d(ahead, left);
   const hand::Attitude& attitude = preshape.attitudes.front();
@@ -43,10 +43,10 @@ hand::BasePosition base_at(const PickState& state, const hand::Preshape& preshap
 }
 
 /// Comes down until something bears the hand, or its lowest part is just above the table.
-void descend_until_load(Executor& robot, const hand::BasePosition& low,
+void descend_until_load(Executor& robot, const hand::MountPosition& low,
                         const ApproachOptions& how) {
   const auto loaded = lasting_load(robot, -Eigen::Vector3d::UnitZ(), how.contact_load);
-  robot.move_base(low, how.approach_speed, [&](const hand::HandReading& reading) {
+  robot.move_mount(low, how.approach_speed, [&](const hand::HandReading& reading) {
     return loaded(reading) || estimation::lowest_of_hand(robot.model(), reading) < kTopClearance;
   });
   robot.wait(0.15);
@@ -80,8 +80,8 @@ std::optional<grasping::GraspPlan> reachable_plan(
     const std::function<std::optional<grasping::GraspPlan>(const std::vector<double>&)>& plan) {
   for (int i = 0; i < kPlans; ++i) {
     const auto found = plan(avoided);
-    if (!found || robot.obstacle(found->base).empty()) return found;
-    avoided.push_back(found->base.ypr.x());
+    if (!found || robot.obstacle(found->mount).empty()) return found;
+    avoided.push_back(found->mount.ypr.x());
   }
   return std::nullopt;
 }
@@ -101,10 +101,10 @@ PhaseEnd GraspPhase::run(Executor& robot, PickState& state) {
   int closings = 1;
   for (; hold.forces.wrench_residual > options_.max_wrench_residual && closings < options_.closings;
        ++closings) {
-    tried_yaws.push_back(planned->base.ypr.x());
+    tried_yaws.push_back(planned->mount.ypr.x());
     planned = plan(robot, state, tried_yaws);
     if (!planned || planned->cost > hold.forces.wrench_residual) break;
-    if (std::count(tried_yaws.begin(), tried_yaws.end(), planned->base.ypr.x()) > 0) break;
+    if (std::count(tried_yaws.begin(), tried_yaws.end(), planned->mount.ypr.x()) > 0) break;
     release(robot);
     hold = close_as_planned(robot, state, *planned);
     if (robot.suspected(robot.model().thumb)) return held_up(robot);
@@ -117,7 +117,7 @@ PhaseEnd GraspPhase::run(Executor& robot, PickState& state) {
 
 GraspPhase::Hold GraspPhase::close_as_planned(Executor& robot, PickState& state,
                                               const grasping::GraspPlan& plan) const {
-  state.yaw = plan.base.ypr.x();
+  state.yaw = plan.mount.ypr.x();
   approach(robot, plan, state.clear_height);
   close(robot, {robot.model().postures.top, options_.top.closing_rate, true});
   return balance(robot, state);
@@ -180,49 +180,49 @@ std::optional<grasping::GraspPlan> GraspPhase::plan(const Executor& robot, const
 
 void GraspPhase::approach(Executor& robot, const grasping::GraspPlan& plan,
                           double clear_height) const {
-  hand::BasePosition above = plan.base;
+  hand::MountPosition above = plan.mount;
   above.xyz.z() += kTopDistance;
   travel_to(robot, above, robot.model().postures.top, clear_height);
-  descend_until_load(robot, plan.base, options_.top);
+  descend_until_load(robot, plan.mount, options_.top);
 }
 
-void GraspPhase::travel_to(Executor& robot, const hand::BasePosition& start,
+void GraspPhase::travel_to(Executor& robot, const hand::MountPosition& start,
                            const hand::Preshape& preshape, double clear_height) const {
-  hand::BasePosition up = robot.command().base;
+  hand::MountPosition up = robot.command().mount;
   const hand::Attitude now = attitude_of(up), then = attitude_of(start);
   const double low =
       std::min(lowest_on_way(robot.model(), robot.command().positions, now, preshape.open, now),
                lowest_on_way(robot.model(), preshape.open, now, preshape.open, then));
   const double safe = std::max(kFreeHeight, clear_height - low);
   up.xyz.z() = std::max(up.xyz.z(), safe);
-  robot.move_base(up, options_.travel_speed);
+  robot.move_mount(up, options_.travel_speed);
   take_posture(robot, preshape.open, 0.4);
-  hand::BasePosition above = start;
+  hand::MountPosition above = start;
   above.xyz.z() = std::max(start.xyz.z(), safe);
-  robot.move_base(above, options_.travel_speed);
-  robot.move_base(start, options_.travel_speed);
+  robot.move_mount(above, options_.travel_speed);
+  robot.move_mount(start, options_.travel_speed);
   robot.tare();
 }
 
 void GraspPhase::approach_from_side(Executor& robot, const PickState& state) const {
   const hand::Preshape& preshape = robot.model().postures.side;
   const double ahead = preshape.offset.x();
-  travel_to(robot, base_at(state, preshape, ahead, -kSideDistance, preshape.height), preshape,
+  travel_to(robot, mount_at(state, preshape, ahead, -kSideDistance, preshape.height), preshape,
             state.clear_height);
   const Eigen::Vector3d forward(-std::sin(state.yaw), std::cos(state.yaw), 0);
   const ApproachOptions& how = options_.side;
-  robot.move_base(base_at(state, preshape, ahead, kSideOvershoot, preshape.height),
-                  how.approach_speed, lasting_load(robot, forward, how.contact_load));
-  hand::BasePosition further = robot.command().base;
+  robot.move_mount(mount_at(state, preshape, ahead, kSideOvershoot, preshape.height),
+                   how.approach_speed, lasting_load(robot, forward, how.contact_load));
+  hand::MountPosition further = robot.command().mount;
   further.xyz += how.push * forward;
-  robot.move_base(further, 0.5 * how.approach_speed);
+  robot.move_mount(further, 0.5 * how.approach_speed);
   robot.wait(0.1);
 }
 
 void GraspPhase::approach_from_above(Executor& robot, PickState& state) const {
   const hand::Preshape& preshape = robot.model().postures.top;
   const Eigen::Vector2d& offset = preshape.offset;
-  travel_to(robot, base_at(state, preshape, offset.x(), offset.y(), state.height + kTopDistance),
+  travel_to(robot, mount_at(state, preshape, offset.x(), offset.y(), state.height + kTopDistance),
             preshape, state.clear_height);
   for (int turn = 0; turn < options_.turns; ++turn) {
     descend(robot, state);
@@ -230,19 +230,19 @@ void GraspPhase::approach_from_above(Executor& robot, PickState& state) const {
                         state.height - options_.min_depth;
     if (beside || turn + 1 == options_.turns) break;
     state.yaw += std::numbers::pi / options_.turns;
-    hand::BasePosition raised = robot.command().base;
+    hand::MountPosition raised = robot.command().mount;
     raised.xyz.z() += kClear;
-    robot.move_base(raised, options_.travel_speed);
-    robot.move_base(base_at(state, preshape, offset.x(), offset.y(), raised.xyz.z()),
-                    options_.travel_speed);
+    robot.move_mount(raised, options_.travel_speed);
+    robot.move_mount(mount_at(state, preshape, offset.x(), offset.y(), raised.xyz.z()),
+                     options_.travel_speed);
     robot.wait(0.2);
   }
 }
 
 void GraspPhase::descend(Executor& robot, const PickState& state) const {
   const hand::Preshape& preshape = robot.model().postures.top;
-  const hand::BasePosition low =
-      base_at(state, preshape, preshape.offset.x(), preshape.offset.y(), 0.02);
+  const hand::MountPosition low =
+      mount_at(state, preshape, preshape.offset.x(), preshape.offset.y(), 0.02);
   descend_until_load(robot, low, options_.top);
 }
 
@@ -309,9 +309,9 @@ void GraspPhase::press(Executor& robot, const Hold& hold) const {
 
 void GraspPhase::release(Executor& robot) const {
   open_yielding(robot);
-  hand::BasePosition up = robot.command().base;
+  hand::MountPosition up = robot.command().mount;
   up.xyz.z() += kTopDistance;
-  robot.move_base(up, options_.travel_speed);
+  robot.move_mount(up, options_.travel_speed);
 }
 
 }  // namespace palpate::skills

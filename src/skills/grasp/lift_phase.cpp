@@ -32,24 +32,24 @@ int touching_fingers(const estimation::EventLog& log, double force) {
 
 /// The first part of the lift. @return whether the grip holds; else the hand is down again
 bool LiftPhase::tries(Executor& robot) {
-  const hand::BasePosition start = robot.command().base;
-  hand::BasePosition up = start;
+  const hand::MountPosition start = robot.command().mount;
+  hand::MountPosition up = start;
   up.xyz.z() += std::min(options_.trial_height, options_.height);
   GripWatch grip(robot);
-  const auto end = robot.move_base(up, options_.trial_speed, [&](const hand::HandReading& reading) {
-    return grip.update(reading);
-  });
+  const auto end =
+      robot.move_mount(up, options_.trial_speed,
+                       [&](const hand::HandReading& reading) { return grip.update(reading); });
   if (end != MotionEnd::stopped) return true;
-  robot.move_base(start, options_.trial_speed);
+  robot.move_mount(start, options_.trial_speed);
   return false;
 }
 
 PhaseEnd LiftPhase::run(Executor& robot, PickState& state) {
-  hand::BasePosition up = robot.command().base;
+  hand::MountPosition up = robot.command().mount;
   up.xyz.z() += options_.height;
   gave_way_ = options_.trial_height > 0 && !tries(robot);
   if (gave_way_) return {false, "the grip gives way; back on the table"};
-  robot.move_base(up, options_.speed);
+  robot.move_mount(up, options_.speed);
   robot.wait(options_.settle);
   const std::size_t settled = robot.log().readings.size() - 1;
   robot.wait(options_.hold);

@@ -40,7 +40,7 @@ std::optional<tactile::Contact> contact_by_pose(const Executor& robot,
 void add_predicted_contacts(const Executor& robot, const geometry::ObjectModel& object,
                             const Eigen::Isometry3d& T_world_object,
                             std::vector<tactile::Contact>& contacts) {
-  const grasping::PlacedObject placed(object, T_world_object, robot.reading().base.pose());
+  const grasping::PlacedObject placed(object, T_world_object, robot.reading().mount.pose());
   for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
     if (robot.trusted(finger)) continue;
     if (const auto contact = contact_by_pose(robot, placed, finger)) contacts.push_back(*contact);

@@ -9,7 +9,7 @@
 
 namespace palpate::skills {
 
-/// Adds the contacts (base's frame) of fingers that are not believed where the object's pose says
+/// Adds the contacts (mount's frame) of fingers that are not believed where the object's pose says
 /// that they touch it.
 void add_predicted_contacts(const Executor& robot, const geometry::ObjectModel& object,
                             const Eigen::Isometry3d& T_world_object,

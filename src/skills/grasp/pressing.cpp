@@ -8,8 +8,8 @@ namespace palpate::skills {
 
 grasping::Load weight_at(const Executor& robot, const Eigen::Isometry3d& T_world_object,
                          double weight) {
-  const Eigen::Isometry3d T_base_world = robot.reading().base.pose().inverse();
-  return {T_base_world * T_world_object.translation(), -weight * T_base_world.linear().col(2)};
+  const Eigen::Isometry3d T_mount_world = robot.reading().mount.pose().inverse();
+  return {T_mount_world * T_world_object.translation(), -weight * T_mount_world.linear().col(2)};
 }
 
 namespace {
@@ -18,11 +18,11 @@ constexpr std::size_t kAveragedReadings = 5;
 
 hand::ActuatorVector torques_of_contacts(const hand::Description& hand,
                                          const hand::HandReading& reading) {
-  const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
+  const auto T_mount_link = hand::forward_kinematics(hand, reading.joints);
   std::vector<tactile::Contact> contacts;
   std::vector<Eigen::Vector3d> forces;
   for (std::size_t finger = 0; finger < reading.contacts.size(); ++finger) {
-    const auto& T = T_base_link[static_cast<std::size_t>(hand.fingers[finger].link)];
+    const auto& T = T_mount_link[static_cast<std::size_t>(hand.fingers[finger].link)];
     for (const hand::TipContact& tip_contact : reading.contacts[finger]) {
       tactile::Contact contact;
       contact.finger = static_cast<int>(finger);

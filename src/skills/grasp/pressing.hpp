@@ -8,7 +8,7 @@
 
 namespace palpate::skills {
 
-/// The object's weight (N) at its centre, in the base's frame.
+/// The object's weight (N) at its centre, in the mount's frame.
 grasping::Load weight_at(const Executor& robot, const Eigen::Isometry3d& T_world_object,
                          double weight);
 
@@ -16,8 +16,8 @@ grasping::Load weight_at(const Executor& robot, const Eigen::Isometry3d& T_world
 /// fingers an object that moves meets a growing resistance, where limited torques would let it go.
 /// Actuators that need no torque for it keep their commands.
 ///
-/// @param contacts  as the hand is now, base's frame
-/// @param forces  one a contact, N, of the finger on the object, base's axes
+/// @param contacts  as the hand is now, mount's frame
+/// @param forces  one a contact, N, of the finger on the object, mount's axes
 hand::ActuatorVector pressing_command(const Executor& robot,
                                       std::span<const tactile::Contact> contacts,
                                       std::span<const Eigen::Vector3d> forces);

@@ -20,9 +20,9 @@ constexpr double kReleaseSeconds = 0.6;      // s
 constexpr double kSensedWeight = 0.5;        // N
 constexpr double kReleaseRestSeconds = 0.3;  // s
 
-hand::BasePosition at_height(hand::BasePosition base, double height) {
-  base.xyz.z() = height;
-  return base;
+hand::MountPosition at_height(hand::MountPosition mount, double height) {
+  mount.xyz.z() = height;
+  return mount;
 }
 
 /// The fingers' command with all of them straight.
@@ -40,7 +40,7 @@ hand::ActuatorVector straightened(const Executor& robot) {
 
 bool holds_something(const Executor& robot) {
   return hand::count_contacts(robot.reading()) > 0 ||
-         robot.reading().base_force.z() > kSensedWeight;
+         robot.reading().mount_force.z() > kSensedWeight;
 }
 
 }  // namespace
@@ -49,17 +49,17 @@ PhaseEnd ReleasePhase::run(Executor& robot, PickState& state) {
   state.place = place_of_last_contacts(robot).value_or(state.place);
   const auto closed = robot.log().at(estimation::TouchEvent::closed);
   if (closed && holds_something(robot)) {
-    const double height = robot.log().readings[*closed].base.xyz.z();
-    const auto& base = robot.command().base;
+    const double height = robot.log().readings[*closed].mount.xyz.z();
+    const auto& mount = robot.command().mount;
     const auto touchdown = [](const hand::HandReading& reading) {
-      return reading.base_force.z() < -kTouchdown;
+      return reading.mount_force.z() < -kTouchdown;
     };
-    if (base.xyz.z() > height) robot.move_base(at_height(base, height), kDownSpeed, touchdown);
+    if (mount.xyz.z() > height) robot.move_mount(at_height(mount, height), kDownSpeed, touchdown);
   }
   robot.set_grip(std::nullopt);
   open_yielding(robot);
-  const hand::BasePosition& base = robot.command().base;
-  robot.move_base(at_height(base, std::max(base.xyz.z(), kFreeHeight)), kUpSpeed);
+  const hand::MountPosition& mount = robot.command().mount;
+  robot.move_mount(at_height(mount, std::max(mount.xyz.z(), kFreeHeight)), kUpSpeed);
   robot.move_fingers(straightened(robot), kReleaseSeconds);
   robot.add_event(estimation::TouchEvent::released);
   return {true, fmt::format("next try at ({:.0f}, {:.0f}) mm", 1e3 * state.place.x(),
@@ -68,12 +68,12 @@ PhaseEnd ReleasePhase::run(Executor& robot, PickState& state) {
 
 PhaseEnd ClearPhase::run(Executor& robot, PickState&) {
   robot.set_grip(std::nullopt);
-  hand::BasePosition high = robot.command().base;
+  hand::MountPosition high = robot.command().mount;
   high.xyz.z() = std::max(high.xyz.z(), kFreeHeight);
-  robot.move_base(high, kUpSpeed);
+  robot.move_mount(high, kUpSpeed);
   robot.move_fingers(straightened(robot), kReleaseSeconds);
   high.ypr.setZero();
-  robot.move_base(high, kUpSpeed);
+  robot.move_mount(high, kUpSpeed);
   robot.wait(kReleaseRestSeconds);
   robot.add_event(estimation::TouchEvent::released);
   return {true, "the hand is free"};

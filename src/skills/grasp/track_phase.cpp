@@ -23,11 +23,11 @@ PhaseEnd TrackPhase::run(Executor& robot, PickState& state) {
                                      .last = *held,
                                      .errors = errors_},
                                     options_, seed_);
-  const Eigen::Isometry3d T_base_start =
-      robot.log().readings[*closed].base.pose().inverse() * start.modes.front().T_frame_object;
-  const Eigen::Isometry3d& T_base_end = state.tracked->posterior.modes.front().T_frame_object;
-  const double turn = rotation_distance(T_base_start.linear(), T_base_end.linear());
-  const double way = (T_base_end.translation() - T_base_start.translation()).norm();
+  const Eigen::Isometry3d T_mount_start =
+      robot.log().readings[*closed].mount.pose().inverse() * start.modes.front().T_frame_object;
+  const Eigen::Isometry3d& T_mount_end = state.tracked->posterior.modes.front().T_frame_object;
+  const double turn = rotation_distance(T_mount_start.linear(), T_mount_end.linear());
+  const double way = (T_mount_end.translation() - T_mount_start.translation()).norm();
   return {true, fmt::format("in-hand motion {:.1f} deg, {:.1f} mm, {} slip{}",
                             180 / std::numbers::pi * turn, 1e3 * way, state.tracked->slips,
                             state.tracked->slips == 1 ? "" : "s")};

@@ -41,23 +41,23 @@ void regrip(Executor& robot, const Eigen::Isometry3d& T_world_object,
 
 }  // namespace
 
-Eigen::Vector3d share_of_fingers(const hand::BasePosition& from, const hand::BasePosition& to,
+Eigen::Vector3d share_of_fingers(const hand::MountPosition& from, const hand::MountPosition& to,
                                  double most) {
   return limited(log_so3(to.pose().linear() * from.pose().linear().transpose()), most);
 }
 
-HeldObject turned_in_hand(const HeldObject& held, const hand::BasePosition& base,
+HeldObject turned_in_hand(const HeldObject& held, const hand::MountPosition& mount,
                           const Eigen::Vector3d& rotation_world) {
-  const Eigen::Matrix3d R_base_world = base.pose().linear().transpose();
+  const Eigen::Matrix3d R_mount_world = mount.pose().linear().transpose();
   HeldObject turned = held;
-  turned.T_base_object.linear() =
-      exp_so3(R_base_world * rotation_world) * held.T_base_object.linear();
-  turned.T_base_object_flat = turned.T_base_object;
+  turned.T_mount_object.linear() =
+      exp_so3(R_mount_world * rotation_world) * held.T_mount_object.linear();
+  turned.T_mount_object_flat = turned.T_mount_object;
   return turned;
 }
 
 std::optional<Eigen::Vector3d> turn_that_reaches(
-    const HeldObject& held, const hand::BasePosition& base, const Eigen::Vector3d& towards,
+    const HeldObject& held, const hand::MountPosition& mount, const Eigen::Vector3d& towards,
     double most, const std::function<bool(const HeldObject&)>& reaches) {
   std::vector<Eigen::Vector3d> axes;
   if (towards.norm() > 0) axes.push_back(towards.normalized());
@@ -67,7 +67,7 @@ std::optional<Eigen::Vector3d> turn_that_reaches(
   for (const double share : kShares) {
     for (const auto& axis : axes) {
       const Eigen::Vector3d turn = share * most * axis;
-      if (reaches(turned_in_hand(held, base, turn))) return turn;
+      if (reaches(turned_in_hand(held, mount, turn))) return turn;
     }
   }
   return std::nullopt;

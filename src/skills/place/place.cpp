@@ -13,10 +13,10 @@
 #include "palpate/core/angle.hpp"
 #include "palpate/core/gravity.hpp"
 #include "palpate/estimation/mean_load.hpp"
-#include "skills/base_near.hpp"
 #include "skills/explore/extents.hpp"
 #include "skills/grasp/release_phase.hpp"
 #include "skills/last_contacts.hpp"
+#include "skills/mount_near.hpp"
 #include "skills/phase_sequence.hpp"
 #include "skills/place/standing.hpp"
 #include "skills/place/turn_plan.hpp"
@@ -144,12 +144,12 @@ bool Placement::fail(PlaceStatus status) {
   result_.status = status;
   if (result_.failed_phase.empty()) result_.failed_phase = result_.phases.back().name;
   if (status == PlaceStatus::lost) {
-    result_.lost_at = place_of_last_contacts(robot_).value_or(robot_.reading().base.xyz.head<2>());
+    result_.lost_at = place_of_last_contacts(robot_).value_or(robot_.reading().mount.xyz.head<2>());
   }
   return false;
 }
 
-/// Decides whether the pose is known well enough, and where the base has to go.
+/// Decides whether the pose is known well enough, and where the mount has to go.
 bool Placement::plan_goal() {
   const auto held =
       held_object(object_, picked_.estimate.posterior, robot_.log(),
@@ -169,7 +169,7 @@ bool Placement::plan_goal() {
     expect_lean();
     result_.goal = search.goal;
     result_.reorientation = plan_in_hand_reorientation(
-        place_strategy(options_), {robot_.reading().base, result_.T_world_target, *held, search},
+        place_strategy(options_), {robot_.reading().mount, result_.T_world_target, *held, search},
         options_.fingers,
         [&](const HeldObject& turned) { return search_goal(turned).goal.has_value(); });
     if (!search.goal && !result_.reorientation) return {false, "unreachable: " + search.obstacle};
@@ -192,7 +192,7 @@ void Placement::expect_lean() {
     result_.upright = upright_probability(task_.object, nearest.stable_pose, errors, most);
   } else {
     const Standing standing =
-        as_it_stood(task_.object, robot_, result_.held.T_base_object, errors, most);
+        as_it_stood(task_.object, robot_, result_.held.T_mount_object, errors, most);
     T_flat_object_ = standing.T_flat_object;
     result_.lean = standing.lean;
     result_.upright = standing.upright;
@@ -239,8 +239,8 @@ bool Placement::plan_turned_goal() {
     if (!search.goal) return {false, "unreachable: " + search.obstacle};
     return {true,
             fmt::format("{:.1f} deg are left to the mount",
-                        kDegreesPerRadian * share_of_fingers(robot_.reading().base,
-                                                             search.goal->base, std::numbers::pi)
+                        kDegreesPerRadian * share_of_fingers(robot_.reading().mount,
+                                                             search.goal->mount, std::numbers::pi)
                                                 .norm())};
   }));
   return ok || fail(PlaceStatus::unreachable);
@@ -285,9 +285,9 @@ bool Placement::replan_goal() {
     result_.held = *held;
     goal = search.goal;
     if (!goal) return {false, "unreachable, as it has moved in the hand: " + search.obstacle};
-    const Eigen::Isometry3d by = goal->base.pose() * result_.goal->base.pose().inverse();
+    const Eigen::Isometry3d by = goal->mount.pose() * result_.goal->mount.pose().inverse();
     return {true, fmt::format("the goal of the hand moves by {:.1f} mm and {:.1f} deg",
-                              1e3 * (goal->base.xyz - result_.goal->base.xyz).norm(),
+                              1e3 * (goal->mount.xyz - result_.goal->mount.xyz).norm(),
                               kDegreesPerRadian * Eigen::AngleAxisd(by.linear()).angle())};
   }));
   if (!ok) {
@@ -330,16 +330,16 @@ void Placement::put_back() {
   const PlaceStatus reason = result_.status;
   const auto closed = robot_.log().at(estimation::TouchEvent::closed);
   PlaceGoal goal;
-  goal.T_base_object = result_.held.T_base_object_flat;
-  goal.base = robot_.log().readings[*closed].base;
+  goal.T_mount_object = result_.held.T_mount_object_flat;
+  goal.mount = robot_.log().readings[*closed].mount;
   if (result_.reorientation && result_.reorientation->known) {
     const Eigen::Isometry3d T_world_object =
-        laid_flat(object_, goal.base.pose() * goal.T_base_object);
-    goal.base = base_near(T_world_object * goal.T_base_object.inverse(), goal.base);
+        laid_flat(object_, goal.mount.pose() * goal.T_mount_object);
+    goal.mount = mount_near(T_world_object * goal.T_mount_object.inverse(), goal.mount);
   }
-  goal.above = goal.base;
+  goal.above = goal.mount;
   goal.above.xyz.z() += options_.goal.rise;
-  goal.T_world_object = goal.base.pose() * goal.T_base_object;
+  goal.T_world_object = goal.mount.pose() * goal.T_mount_object;
   TransportPhase carry(options_.transport, *scene_, goal, task_.seed, "carry-back");
   const bool there = sequence_.run(carry);
   if (carry.lost()) {
@@ -348,14 +348,14 @@ void Placement::put_back() {
   }
   LowerOptions lower = never_refused(options_.lower);
   if (!there) {  // setting down here is gentler than letting go up here
-    const hand::BasePosition& here = robot_.reading().base;
-    lower = slow_lowering(lower, here.xyz.z() - goal.base.xyz.z());
-    goal.base.xyz.head<2>() = here.xyz.head<2>();
-    goal.base.ypr = here.ypr;
+    const hand::MountPosition& here = robot_.reading().mount;
+    lower = slow_lowering(lower, here.xyz.z() - goal.mount.xyz.z());
+    goal.mount.xyz.head<2>() = here.xyz.head<2>();
+    goal.mount.ypr = here.ypr;
   }
   const bool down = set_down(goal, 0, lower, "put-back");
   if (down && !there) {
-    result_.put_aside = (goal.base.pose() * goal.T_base_object).translation().head<2>();
+    result_.put_aside = (goal.mount.pose() * goal.T_mount_object).translation().head<2>();
   }
   if (down) result_.status = reason;
   if (!down && result_.status != PlaceStatus::lost) result_.status = PlaceStatus::stuck;

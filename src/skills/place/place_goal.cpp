@@ -11,7 +11,7 @@
 #include "palpate/core/angle.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "skills/base_near.hpp"
+#include "skills/mount_near.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -19,34 +19,34 @@ namespace {
 constexpr double kSettles = 30 * std::numbers::pi / 180;        // rad: more than a grasp tilts
 constexpr double kSameStablePose = 3 * std::numbers::pi / 180;  // rad
 
-std::string obstacle_at(const hand::BasePosition& base, const GoalOptions& options) {
-  if (base.xyz.head<2>().cwiseAbs().maxCoeff() > options.reach) {
-    return fmt::format("the mount would be at ({:.2f}, {:.2f}) m, out of reach", base.xyz.x(),
-                       base.xyz.y());
+std::string obstacle_at(const hand::MountPosition& mount, const GoalOptions& options) {
+  if (mount.xyz.head<2>().cwiseAbs().maxCoeff() > options.reach) {
+    return fmt::format("the mount would be at ({:.2f}, {:.2f}) m, out of reach", mount.xyz.x(),
+                       mount.xyz.y());
   }
-  if (base.xyz.z() > options.highest) {
-    return fmt::format("the mount would be {:.2f} m high, out of reach", base.xyz.z());
+  if (mount.xyz.z() > options.highest) {
+    return fmt::format("the mount would be {:.2f} m high, out of reach", mount.xyz.z());
   }
   return {};
 }
 
-hand::BasePosition raised(hand::BasePosition base, double by) {
-  base.xyz.z() += by;
-  return base;
+hand::MountPosition raised(hand::MountPosition mount, double by) {
+  mount.xyz.z() += by;
+  return mount;
 }
 
 /// m by which the object hangs lower in the hand than the goal counts on.
 double sunk_in_hand(const geometry::KnownObject& object, const HeldObject& held,
                     const PlaceGoal& goal) {
   constexpr double kMost = 0.015;  // m: more is an error of the estimate
-  const Eigen::Isometry3d T_world_base = goal.base.pose();
-  const auto lowest = [&](const Eigen::Isometry3d& T_base_object) {
-    return geometry::lowest_point(T_world_base * T_base_object, object.mesh);
+  const Eigen::Isometry3d T_world_mount = goal.mount.pose();
+  const auto lowest = [&](const Eigen::Isometry3d& T_mount_object) {
+    return geometry::lowest_point(T_world_mount * T_mount_object, object.mesh);
   };
-  return std::clamp(lowest(goal.T_base_object) - lowest(held.T_base_object), 0.0, kMost);
+  return std::clamp(lowest(goal.T_mount_object) - lowest(held.T_mount_object), 0.0, kMost);
 }
 
-double turn_between(const hand::BasePosition& a, const hand::BasePosition& b) {
+double turn_between(const hand::MountPosition& a, const hand::MountPosition& b) {
   return (a.ypr - b.ypr).norm();
 }
 
@@ -59,23 +59,23 @@ std::optional<HeldObject> held_object(const geometry::KnownObject& object,
                                       const localization::SamePose& same, bool turned) {
   const auto closed = log.at(estimation::TouchEvent::closed);
   if (posterior.modes.empty() || !closed || !at) return std::nullopt;
-  const Eigen::Isometry3d T_world_closed = log.readings[*closed].base.pose();
-  const Eigen::Isometry3d T_base_world = log.readings[*at].base.pose().inverse();
+  const Eigen::Isometry3d T_world_closed = log.readings[*closed].mount.pose();
+  const Eigen::Isometry3d T_mount_world = log.readings[*at].mount.pose().inverse();
 
   std::map<std::size_t, double> stable_poses;
   std::vector<localization::WeightedPose> in_air, flat;
   for (const localization::WeightedPose& pose : localization::poses_of(posterior)) {
-    const Eigen::Isometry3d T_base_object = T_base_world * pose.T;
-    const Eigen::Isometry3d standing = T_world_closed * T_base_object;
+    const Eigen::Isometry3d T_mount_object = T_mount_world * pose.T;
+    const Eigen::Isometry3d standing = T_world_closed * T_mount_object;
     const bool settles = !turned && nearest_stable_pose(object, standing.linear()).tilt < kSettles;
-    in_air.push_back({T_base_object, pose.weight});
+    in_air.push_back({T_mount_object, pose.weight});
     flat.push_back({T_world_closed.inverse() * (settles ? laid_flat(object, standing) : standing),
                     pose.weight});
   }
   const localization::PoseConsensus best = localization::consensus(flat, object.symmetries, same);
   HeldObject held;
-  held.T_base_object_flat = best.T;
-  held.T_base_object = localization::consensus(in_air, object.symmetries, same).T;
+  held.T_mount_object_flat = best.T;
+  held.T_mount_object = localization::consensus(in_air, object.symmetries, same).T;
   held.found_stable_pose =
       nearest_stable_pose(object, (T_world_closed * best.T).linear()).stable_pose;
   held.certainty = best.share * (1 - posterior.residual_mass());
@@ -89,28 +89,28 @@ GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held
   search.same_stable_pose =
       same_side_up(object, T_world_target.linear(),
                    object.stable_poses[held.found_stable_pose].R_table_object, kSameStablePose);
-  const Eigen::Isometry3d& T_base_object =
-      search.same_stable_pose ? held.T_base_object_flat : held.T_base_object;
+  const Eigen::Isometry3d& T_mount_object =
+      search.same_stable_pose ? held.T_mount_object_flat : held.T_mount_object;
   std::vector<PlaceGoal> goals;
   for (const auto& S : object.symmetries) {
     PlaceGoal goal;
-    goal.T_base_object = T_base_object;
+    goal.T_mount_object = T_mount_object;
     goal.T_world_object = T_world_target;
     goal.T_world_object.linear() = T_world_target.linear() * S;
-    goal.base = base_near(goal.T_world_object * T_base_object.inverse(), now.base);
-    goal.above = raised(goal.base, options.rise);
+    goal.mount = mount_near(goal.T_world_object * T_mount_object.inverse(), now.mount);
+    goal.above = raised(goal.mount, options.rise);
     goals.push_back(goal);
   }
   std::stable_sort(goals.begin(), goals.end(), [&](const PlaceGoal& a, const PlaceGoal& b) {
-    return turn_between(a.base, now.base) < turn_between(b.base, now.base);
+    return turn_between(a.mount, now.mount) < turn_between(b.mount, now.mount);
   });
   const hand::JointVector joints = plannable(scene.hand(), now.joints);
-  scene.hold(scene.palm_pose(hand::BasePosition{}, joints).inverse() * T_base_object);
+  scene.hold(scene.palm_pose(hand::MountPosition{}, joints).inverse() * T_mount_object);
   for (const PlaceGoal& goal : goals) {
     std::string obstacle = obstacle_at(goal.above, options);
-    for (const auto& base : {raised(goal.base, options.room), goal.above}) {
+    for (const auto& mount : {raised(goal.mount, options.room), goal.above}) {
       if (!obstacle.empty()) break;
-      const auto pair = scene.deepest_collision(base, joints);
+      const auto pair = scene.deepest_collision(mount, joints);
       if (!pair) continue;
       obstacle = fmt::format("{} would be {:.0f} mm inside {}", pair->first, 1e3 * pair->depth,
                              pair->second);

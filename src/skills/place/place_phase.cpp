@@ -35,9 +35,9 @@ Eigen::Vector3d aside(int attempt, double spacing) {
   return ring * spacing * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
 }
 
-hand::BasePosition moved(hand::BasePosition base, const Eigen::Vector3d& way) {
-  base.xyz += way;
-  return base;
+hand::MountPosition moved(hand::MountPosition mount, const Eigen::Vector3d& way) {
+  mount.xyz += way;
+  return mount;
 }
 
 hand::ActuatorVector wider(const Executor& robot) {
@@ -67,7 +67,7 @@ PhaseEnd PlacePhase::run(Executor& robot, PickState&) {
   for (; attempt < tries; ++attempt) {
     touchdown_ = lower(robot, aside(attempt, options_.spiral));
     if (touchdown_ != Touchdown::early) break;
-    robot.move_base(moved(contact_, {0, 0, options_.back_off}), options_.slow_speed);
+    robot.move_mount(moved(contact_, {0, 0, options_.back_off}), options_.slow_speed);
   }
   switch (touchdown_) {
     case Touchdown::lost:
@@ -81,7 +81,7 @@ PhaseEnd PlacePhase::run(Executor& robot, PickState&) {
     case Touchdown::flat:
       break;
   }
-  T_world_object_ = estimation::mean_base(robot.log(), 5).pose() * goal_.T_base_object;
+  T_world_object_ = estimation::mean_mount(robot.log(), 5).pose() * goal_.T_mount_object;
   released_ = true;
   release(robot, options_);
   return {true, fmt::format("contact at {:+.1f} mm{}, let go", 1e3 * height_error_,
@@ -90,47 +90,47 @@ PhaseEnd PlacePhase::run(Executor& robot, PickState&) {
 
 /// Slowly, until the table bears the object. @return how that has failed, if it has
 std::optional<PlacePhase::Touchdown> PlacePhase::descend(Executor& robot,
-                                                         const hand::BasePosition& at_goal) const {
-  hand::BasePosition start = at_goal;
-  start.xyz.z() = robot.command().base.xyz.z();
-  robot.move_base(start, options_.slow_speed);
+                                                         const hand::MountPosition& at_goal) const {
+  hand::MountPosition start = at_goal;
+  start.xyz.z() = robot.command().mount.xyz.z();
+  robot.move_mount(start, options_.slow_speed);
   robot.wait(kSettle);
   const double load = estimation::mean_load(robot.log());
   const bool held = hand::touching_fingers(robot.reading()) >= kHolding;
   if (load < options_.contact_load && !held) return Touchdown::lost;
 
-  const hand::BasePosition low = moved(at_goal, {0, 0, -options_.beyond});
+  const hand::MountPosition low = moved(at_goal, {0, 0, -options_.beyond});
   const auto borne = load_below(load - options_.contact_load, robot.time() + kSettingOut);
-  const bool met = robot.move_base(low, options_.slow_speed, borne) == MotionEnd::stopped;
+  const bool met = robot.move_mount(low, options_.slow_speed, borne) == MotionEnd::stopped;
   return met ? std::nullopt : std::optional(Touchdown::nothing);
 }
 
 /// Goes down from over the goal until the table bears the object and a little more.
 PlacePhase::Touchdown PlacePhase::lower(Executor& robot, const Eigen::Vector3d& aside) {
-  const hand::BasePosition measured = estimation::mean_base(robot.log());
-  const hand::BasePosition& command = robot.command().base;
-  hand::BasePosition at_goal = moved(goal_.base, aside + command.xyz - measured.xyz);
+  const hand::MountPosition measured = estimation::mean_mount(robot.log());
+  const hand::MountPosition& command = robot.command().mount;
+  hand::MountPosition at_goal = moved(goal_.mount, aside + command.xyz - measured.xyz);
   at_goal.ypr += command.ypr - measured.ypr;
-  const hand::BasePosition over = moved(at_goal, {0, 0, std::max(options_.near, 1.5 * wall_)});
+  const hand::MountPosition over = moved(at_goal, {0, 0, std::max(options_.near, 1.5 * wall_)});
   robot.wait(kSettleSeconds);
   const double hangs = estimation::mean_load(robot.log());
   const bool knocked = command.xyz.z() > over.xyz.z() &&
-                       robot.move_base(over, options_.speed,
-                                       load_below(hangs - kKnock, robot.time() + kKnockedAfter)) ==
+                       robot.move_mount(over, options_.speed,
+                                        load_below(hangs - kKnock, robot.time() + kKnockedAfter)) ==
                            MotionEnd::stopped;
   if (!knocked) {
     if (const auto end = descend(robot, at_goal)) return *end;
   }
-  contact_ = robot.command().base;
-  height_error_ = robot.reading().base.xyz.z() - goal_.base.xyz.z();
+  contact_ = robot.command().mount;
+  height_error_ = robot.reading().mount.xyz.z() - goal_.mount.xyz.z();
   if (height_error_ > options_.early + goal_.sunk) return Touchdown::early;
-  robot.move_base(moved(contact_, {0, 0, -options_.max_press}), options_.slow_speed,
-                  load_below(-options_.press));
+  robot.move_mount(moved(contact_, {0, 0, -options_.max_press}), options_.slow_speed,
+                   load_below(-options_.press));
   // The object sank in the hand when it was lifted, so that any contact comes early, by more than a
   // low wall is high. Where all of the load is borne, it has been pushed back to where it was in
   // the hand when the fingers closed: over the table the hand is then as low as expected, and over
   // a wall it is not.
-  const double pressed_error = robot.reading().base.xyz.z() - goal_.base.xyz.z();
+  const double pressed_error = robot.reading().mount.xyz.z() - goal_.mount.xyz.z();
   if (wall_ <= 0 || pressed_error <= kEarlyOfWall * wall_) return Touchdown::flat;
   height_error_ = pressed_error;
   return Touchdown::early;
@@ -157,21 +157,21 @@ PhaseEnd OpenPhase::run(Executor& robot, PickState&) {
 }
 
 PhaseEnd WithdrawPhase::run(Executor& robot, PickState&) {
-  const hand::BasePosition low = robot.command().base;
-  const hand::BasePosition high = moved(low, {0, 0, options_.distance});
+  const hand::MountPosition low = robot.command().mount;
+  const hand::MountPosition high = moved(low, {0, 0, options_.distance});
   int attempt = 0;
   bool caught = true;
   for (; caught && attempt < kWithdrawals; ++attempt) {
     if (attempt > 0) {
-      robot.move_base(low, options_.speed);
+      robot.move_mount(low, options_.speed);
       robot.move_fingers(wider(robot), 0.5);
     }
     const auto pulled = lasting_load(robot, Eigen::Vector3d::UnitZ(), options_.caught);
-    caught = robot.move_base(high, options_.speed, pulled) == MotionEnd::stopped;
+    caught = robot.move_mount(high, options_.speed, pulled) == MotionEnd::stopped;
   }
-  hand::BasePosition far = robot.command().base;
+  hand::MountPosition far = robot.command().mount;
   far.xyz.z() = std::max(far.xyz.z(), options_.height);
-  robot.move_base(far, options_.far_speed);
+  robot.move_mount(far, options_.far_speed);
   robot.wait(2 * kSettleSeconds);
   robot.add_event(event_);
   const double load = estimation::mean_load(robot.log());

@@ -124,7 +124,7 @@ class Transfers {
   /// With the grasp that the hand has.
   RegraspPlan plan_in_hand(const PickResult& picked) const {
     if (picked.estimate.posterior.modes.empty()) return {};
-    const Holding holding{robot_.reading().base,
+    const Holding holding{robot_.reading().mount,
                           plannable(robot_.model(), robot_.reading().joints)};
     const Eigen::Isometry3d& now = picked.estimate.posterior.modes.front().T_frame_object;
     return plan_regrasp(task_.object, robot_.model(), tool_, now, goal(now), options_.plan,

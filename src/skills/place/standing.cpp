@@ -108,14 +108,14 @@ Standing standing_of(const geometry::ObjectModel& object, const Eigen::Isometry3
 }
 
 Standing as_it_stood(const geometry::ObjectModel& object, const Executor& robot,
-                     const Eigen::Isometry3d& T_base_object,
+                     const Eigen::Isometry3d& T_mount_object,
                      const estimation::EstimationOptions& options, double most) {
   constexpr double kTiltError = 0.03, kSwung = 0.2;  // rad; the latter where two fingers hold it
   const estimation::EventLog& log = robot.log();
   const auto closed = log.at(estimation::TouchEvent::closed).value();
   const auto held = log.at(estimation::TouchEvent::held).value_or(closed);
   const auto moved = estimation::in_hand_motion(robot.model(), log, closed, held, options.errors);
-  return standing_of(object, log.readings[closed].base.pose() * moved.T.inverse() * T_base_object,
+  return standing_of(object, log.readings[closed].mount.pose() * moved.T.inverse() * T_mount_object,
                      moved.loose.empty() ? kTiltError : kSwung, options, most);
 }
 

@@ -29,9 +29,9 @@ Standing standing_of(const geometry::ObjectModel& object, const Eigen::Isometry3
 
 /// The same of an object that hangs in the hand, as it stood when the hand had closed: it has moved
 /// in the hand since, as far as the fingers tell.
-/// @param T_base_object  in the lifted hand
+/// @param T_mount_object  in the lifted hand
 Standing as_it_stood(const geometry::ObjectModel& object, const Executor& robot,
-                     const Eigen::Isometry3d& T_base_object,
+                     const Eigen::Isometry3d& T_mount_object,
                      const estimation::EstimationOptions& options, double most);
 
 /// Probability that an object that was not seen to stand in a stable pose will lean there by less

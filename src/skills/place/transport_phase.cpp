@@ -15,17 +15,19 @@
 namespace palpate::skills {
 namespace {
 
-/// What the base is commanded for a configuration that it is to reach, by what its drives give way.
-hand::BasePosition commanded(const hand::BasePosition& wanted, const hand::BasePosition& yielded) {
+/// What the mount is commanded for a configuration that it is to reach, by what its drives give
+/// way.
+hand::MountPosition commanded(const hand::MountPosition& wanted,
+                              const hand::MountPosition& yielded) {
   return {wanted.xyz + yielded.xyz, wanted.ypr + yielded.ypr};
 }
 
-/// Largest distance of the base from where it was planned to be in each tick, m.
+/// Largest distance of the mount from where it was planned to be in each tick, m.
 double lag_of(std::span<const hand::HandReading> readings,
               const std::vector<hand::HandCommand>& planned) {
   double most = 0;
   for (std::size_t i = 0; i < std::min(readings.size(), planned.size()); ++i) {
-    most = std::max(most, (readings[i].base.xyz - planned[i].base.xyz).norm());
+    most = std::max(most, (readings[i].mount.xyz - planned[i].mount.xyz).norm());
   }
   return most;
 }
@@ -39,29 +41,29 @@ std::string why_no_path(const planning::Plan& motion) {
 
 }  // namespace
 
-/// Of base and fingers, one a tick.
+/// Of mount and fingers, one a tick.
 std::vector<hand::HandCommand> TransportPhase::commands(const Executor& robot,
-                                                        const hand::BasePosition& yielded) const {
+                                                        const hand::MountPosition& yielded) const {
   std::vector<hand::HandCommand> way(motion_.samples.size(), robot.command());
   for (std::size_t i = 0; i < way.size(); ++i) {
-    way[i].base = commanded(motion_.samples[i].base, yielded);
+    way[i].mount = commanded(motion_.samples[i].mount, yielded);
   }
   if (!options_.bear_weight) return way;
-  const WeightBearing bearing(robot, goal_.T_base_object.translation(),
+  const WeightBearing bearing(robot, goal_.T_mount_object.translation(),
                               estimation::mean_load(robot.log()), options_.friction);
   for (std::size_t i = 0; i < way.size(); ++i) {
-    way[i].positions = bearing.command(motion_.samples[i].base);
+    way[i].positions = bearing.command(motion_.samples[i].mount);
   }
   return way;
 }
 
 PhaseEnd TransportPhase::run(Executor& robot, PickState& state) {
   const double load = estimation::mean_load(robot.log());
-  const hand::BasePosition measured = estimation::mean_base(robot.log());
-  const hand::BasePosition yielded = {robot.command().base.xyz - measured.xyz,
-                                      robot.command().base.ypr - measured.ypr};
+  const hand::MountPosition measured = estimation::mean_mount(robot.log());
+  const hand::MountPosition yielded = {robot.command().mount.xyz - measured.xyz,
+                                       robot.command().mount.ypr - measured.ypr};
   const hand::JointVector joints = plannable(robot.model(), robot.reading().joints);
-  scene_.hold(scene_.palm_pose(hand::BasePosition{}, joints).inverse() * goal_.T_base_object);
+  scene_.hold(scene_.palm_pose(hand::MountPosition{}, joints).inverse() * goal_.T_mount_object);
   motion_ =
       planning::plan({{measured, joints}, {goal_.above, joints}}, scene_, options_.plan, seed_);
   if (motion_.status != planning::PlanStatus::ok) return {false, why_no_path(motion_)};

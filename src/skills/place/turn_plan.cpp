@@ -6,15 +6,15 @@
 #include <numbers>
 
 #include "palpate/core/angle.hpp"
-#include "skills/base_near.hpp"
+#include "skills/mount_near.hpp"
 
 namespace palpate::skills {
 namespace {
 
-hand::BasePosition wanted_base(const TurnQuestion& question) {
-  if (question.search.goal) return base_near(question.search.goal->base.pose(), question.base);
-  return base_near(question.T_world_target * question.held.T_base_object_flat.inverse(),
-                   question.base);
+hand::MountPosition wanted_mount(const TurnQuestion& question) {
+  if (question.search.goal) return mount_near(question.search.goal->mount.pose(), question.mount);
+  return mount_near(question.T_world_target * question.held.T_mount_object_flat.inverse(),
+                    question.mount);
 }
 
 }  // namespace
@@ -25,19 +25,19 @@ std::optional<InHandReorientation> plan_in_hand_reorientation(
   const GoalSearch& search = question.search;
   const bool asked_for = strategy == PlaceStrategy::fingers;
   if (!asked_for && (strategy != PlaceStrategy::automatic || search.goal)) return std::nullopt;
-  const hand::BasePosition wanted = wanted_base(question);
+  const hand::MountPosition wanted = wanted_mount(question);
   InHandReorientation turn;
-  turn.base_rotation = share_of_fingers(question.base, wanted, std::numbers::pi).norm();
-  turn.asked = share_of_fingers(question.base, wanted, options.max);
+  turn.mount_rotation = share_of_fingers(question.mount, wanted, std::numbers::pi).norm();
+  turn.asked = share_of_fingers(question.mount, wanted, options.max);
   if (search.goal) {
     if (turn.asked.norm() < options.min) return std::nullopt;
     turn.why =
         fmt::format("asked for: {:.1f} of the {:.1f} deg that the mount would turn",
-                    kDegreesPerRadian * turn.asked.norm(), kDegreesPerRadian * turn.base_rotation);
+                    kDegreesPerRadian * turn.asked.norm(), kDegreesPerRadian * turn.mount_rotation);
     return turn;
   }
   const auto reaching =
-      turn_that_reaches(question.held, question.base, turn.asked, options.max, reaches);
+      turn_that_reaches(question.held, question.mount, turn.asked, options.max, reaches);
   if (!reaching) return std::nullopt;
   turn.asked = *reaching;
   turn.why =

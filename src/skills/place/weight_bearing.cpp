@@ -20,11 +20,11 @@ double press_of(const std::vector<tactile::Contact>& contacts) {
 
 }  // namespace
 
-WeightBearing::WeightBearing(const Executor& robot, const Eigen::Vector3d& p_base_object,
+WeightBearing::WeightBearing(const Executor& robot, const Eigen::Vector3d& p_mount_object,
                              double weight, double friction)
     : robot_(robot),
       positions_(robot.command().positions),
-      p_base_object_(p_base_object),
+      p_mount_object_(p_mount_object),
       weight_(weight),
       friction_(friction) {
   const std::span<const hand::HandReading> readings(robot.log().readings);
@@ -32,18 +32,18 @@ WeightBearing::WeightBearing(const Executor& robot, const Eigen::Vector3d& p_bas
   contacts_ = tactile::contacts_with_normals(tactile::lasting_contacts(window, robot.model(), {}));
   joints_ = tactile::mean_joints(window);
   press_ = press_of(contacts_);
-  torques_ = torques(robot.reading().base);
+  torques_ = torques(robot.reading().mount);
 }
 
-hand::ActuatorVector WeightBearing::torques(const hand::BasePosition& base) const {
+hand::ActuatorVector WeightBearing::torques(const hand::MountPosition& mount) const {
   if (press_ <= 0) return hand::ActuatorVector::Zero(positions_.size());
-  const grasping::Load load{p_base_object_, -weight_ * base.pose().linear().row(2).transpose()};
+  const grasping::Load load{p_mount_object_, -weight_ * mount.pose().linear().row(2).transpose()};
   const auto balanced = grasping::distribute_forces(contacts_, friction_, press_, load);
   return grasping::pressing_torques(robot_.model(), joints_, contacts_, balanced.forces);
 }
 
-hand::ActuatorVector WeightBearing::command(const hand::BasePosition& base) const {
-  const hand::ActuatorVector change = torques(base) - torques_;
+hand::ActuatorVector WeightBearing::command(const hand::MountPosition& mount) const {
+  const hand::ActuatorVector change = torques(mount) - torques_;
   hand::ActuatorVector command = positions_;
   for (Eigen::Index i = 0; i < command.size(); ++i) {
     const auto& actuator = robot_.actuators()[static_cast<std::size_t>(i)];

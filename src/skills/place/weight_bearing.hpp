@@ -17,23 +17,23 @@ namespace palpate::skills {
 class WeightBearing {
  public:
   /// @param robot  holds the object, at rest
-  /// @param p_base_object  the object's centroid in the base's frame, m
+  /// @param p_mount_object  the object's centroid in the mount's frame, m
   /// @param weight  N
   /// @param friction  that the forces count on
-  WeightBearing(const Executor& robot, const Eigen::Vector3d& p_base_object, double weight,
+  WeightBearing(const Executor& robot, const Eigen::Vector3d& p_mount_object, double weight,
                 double friction);
 
-  /// The fingers' commands for another attitude of the base.
-  [[nodiscard]] hand::ActuatorVector command(const hand::BasePosition& base) const;
+  /// The fingers' commands for another attitude of the mount.
+  [[nodiscard]] hand::ActuatorVector command(const hand::MountPosition& mount) const;
 
  private:
-  [[nodiscard]] hand::ActuatorVector torques(const hand::BasePosition& base) const;
+  [[nodiscard]] hand::ActuatorVector torques(const hand::MountPosition& mount) const;
 
   const Executor& robot_;
   std::vector<tactile::Contact> contacts_;
   hand::JointVector joints_;
   hand::ActuatorVector positions_, torques_;
-  Eigen::Vector3d p_base_object_;
+  Eigen::Vector3d p_mount_object_;
   double weight_, friction_, press_ = 0;
 };
 

@@ -126,7 +126,7 @@ class Probing {
     localization::Posterior standing = posterior();
     if (hangs()) {  // where it comes to stand when the hand goes back to where it closed
       estimation::transform(
-          robot_.log().readings[*closed].base.pose() * robot_.reading().base.pose().inverse(),
+          robot_.log().readings[*closed].mount.pose() * robot_.reading().mount.pose().inverse(),
           standing);
     }
     return most_informative_grasp(object_, standing, tool_of(robot_), options);

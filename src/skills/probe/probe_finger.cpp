@@ -33,7 +33,7 @@ constexpr int kSteps = 2;                 // of J4 and of J0 to either side
 constexpr std::size_t kPoses = 6;         // by which a move is judged, the heaviest
 constexpr double kSame = 0.05;            // rad, of actuators of two moves that are the same
 
-/// Places (base's frame) where each finger has touched the object since the hand closed.
+/// Places (mount's frame) where each finger has touched the object since the hand closed.
 using KnownSpots = hand::PerFinger<std::vector<Eigen::Vector3d>>;
 
 KnownSpots known_spots(const Executor& robot) {
@@ -152,7 +152,7 @@ FingerProbes::Prediction FingerProbes::predict(const Executor& robot, const Post
                                                const Move& move,
                                                const std::vector<Eigen::Vector3d>& known) const {
   const auto finger = static_cast<std::size_t>(move.finger);
-  const Eigen::Isometry3d T_world_base = robot.reading().base.pose();
+  const Eigen::Isometry3d T_world_mount = robot.reading().mount.pose();
   hand::PerFinger<bool> closing{};
   closing[finger] = true;
   const grasping::ClosingLaw law(robot.model(), kPlannedRate, closing_ends(robot.model()));
@@ -168,7 +168,7 @@ FingerProbes::Prediction FingerProbes::predict(const Executor& robot, const Post
   std::size_t first_stop = 0;  // by the heaviest pose that it should meet
   for (std::size_t i = 0; i < std::min(modes.size(), kPoses); ++i) {
     looked_at += modes[i].weight;
-    const grasping::PlacedObject object(object_, modes[i].T_frame_object, T_world_base);
+    const grasping::PlacedObject object(object_, modes[i].T_frame_object, T_world_mount);
     const auto [stop, contact] = grasping::meet(object, path, finger, 0);
     if (stop == 0 || !contact) continue;
     if (first_stop == 0) first_stop = stop;
@@ -181,8 +181,8 @@ FingerProbes::Prediction FingerProbes::predict(const Executor& robot, const Post
   const std::size_t stop = first_stop > 0 ? first_stop : shapes.size() - 1;
   const Eigen::Vector3d from = shapes.front().tip.back().cast<double>();
   const Eigen::Vector3d way = shapes[stop].tip.back().cast<double>() - from;
-  prediction.probe = {T_world_base * from, T_world_base.linear() * way.normalized(), 2 * way.norm(),
-                      kTouchSeconds};
+  prediction.probe = {T_world_mount * from, T_world_mount.linear() * way.normalized(),
+                      2 * way.norm(), kTouchSeconds};
   return prediction;
 }
 

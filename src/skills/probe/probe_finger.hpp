@@ -10,7 +10,7 @@
 
 namespace palpate::skills {
 
-/// Contacts that have lasted up to a reading, base's frame.
+/// Contacts that have lasted up to a reading, mount's frame.
 std::vector<tactile::Contact> contacts_at(const Executor& robot, std::size_t reading);
 
 /// Touches of other spots of a held object by one finger at a time: one that the others can do

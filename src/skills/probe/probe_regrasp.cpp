@@ -35,7 +35,7 @@ std::vector<grasping::GraspPlan> grasps_from_all_sides(const geometry::ObjectMod
     if (sides.size() == kFinalists) break;
     const bool known =
         std::any_of(sides.begin(), sides.end(), [&](const grasping::GraspPlan& other) {
-          return (other.base.ypr - grasp.base.ypr).cwiseAbs().maxCoeff() < kSameAttitude;
+          return (other.mount.ypr - grasp.mount.ypr).cwiseAbs().maxCoeff() < kSameAttitude;
         });
     if (!known) sides.push_back(std::move(grasp));
   }
@@ -88,7 +88,7 @@ std::optional<InformativeGrasp> most_informative_grasp(const geometry::ObjectMod
     double holds = 0;
     for (const localization::WeightedPose& pose : poses) {
       const auto closed =
-          grasping::close_virtually(object, pose.T, tool.path, grasp.base, options.plan);
+          grasping::close_virtually(object, pose.T, tool.path, grasp.mount, options.plan);
       if (closed && closed->cost < options.worst_cost) holds += pose.weight;
       touches.push_back(closed ? predicted_touches(*closed, ways) : PredictedTouches(ways.size()));
     }

@@ -10,7 +10,7 @@
 #include "palpate/core/se3.hpp"
 #include "palpate/estimation/mean_load.hpp"
 #include "palpate/skills/stop_conditions.hpp"
-#include "skills/base_near.hpp"
+#include "skills/mount_near.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -59,9 +59,9 @@ std::vector<Eigen::Vector3d> possible_turns() {
   return turns;
 }
 
-hand::BasePosition lowered(hand::BasePosition base, double by) {
-  base.xyz.z() -= by;
-  return base;
+hand::MountPosition lowered(hand::MountPosition mount, double by) {
+  mount.xyz.z() -= by;
+  return mount;
 }
 
 }  // namespace
@@ -69,19 +69,19 @@ hand::BasePosition lowered(hand::BasePosition base, double by) {
 TableTouchChoice::TableTouchChoice(const Executor& robot, const geometry::ObjectModel& object,
                                    const localization::Posterior& held, RandomStream random)
     : object_(object),
-      base_(robot.reading().base.pose()),
+      mount_(robot.reading().mount.pose()),
       centroid_(held.modes.front().T_frame_object * object.object().mass_properties.centroid),
       poses_(localization::draw_poses(held, kDraws, random)),
       weights_(poses_.size(), 1.0 / static_cast<double>(poses_.size())) {
-  const auto T_base_link = hand::forward_kinematics(robot.model(), robot.reading().joints);
+  const auto T_mount_link = hand::forward_kinematics(robot.model(), robot.reading().joints);
   for (const hand::LinkSphere& ball : robot.model().spheres) {
-    const auto& T = T_base_link[static_cast<std::size_t>(ball.link)];
-    hand_.emplace_back(base_ * (T * ball.center), ball.radius);
+    const auto& T = T_mount_link[static_cast<std::size_t>(ball.link)];
+    hand_.emplace_back(mount_ * (T * ball.center), ball.radius);
   }
 }
 
-Eigen::Isometry3d TableTouchChoice::turned_base(const TableTouch& touch) const {
-  return turned_about(centroid_, touch.turn) * base_;
+Eigen::Isometry3d TableTouchChoice::turned_mount(const TableTouch& touch) const {
+  return turned_about(centroid_, touch.turn) * mount_;
 }
 
 /// Over the centroid, one a drawn pose.
@@ -156,30 +156,31 @@ void TableTouchChoice::made(const TableTouch& touch, std::optional<double> lowes
 
 std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choice,
                                   const TableTouch& touch, double min_load) {
-  const hand::BasePosition high = base_near(choice.turned_base(touch), robot.command().base);
-  const hand::BasePosition turned = lowered(high, choice.height() - choice.travel_height());
+  const hand::MountPosition high = mount_near(choice.turned_mount(touch), robot.command().mount);
+  const hand::MountPosition turned = lowered(high, choice.height() - choice.travel_height());
   const double way = choice.height() + touch.lowest;  // down to the table
-  const hand::BasePosition over = lowered(high, way - kSlowFrom - 2 * touch.sigma);
-  const hand::BasePosition low = lowered(high, way + kGiveUp + 2 * touch.sigma);
+  const hand::MountPosition over = lowered(high, way - kSlowFrom - 2 * touch.sigma);
+  const hand::MountPosition low = lowered(high, way + kGiveUp + 2 * touch.sigma);
   for (const auto& place : {turned, low}) {
     if (!robot.obstacle(place).empty()) return std::nullopt;
   }
-  robot.move_base(turned, kTurnedSpeed);
+  robot.move_mount(turned, kTurnedSpeed);
   robot.wait(kSettleSeconds);
   const double load = estimation::mean_load(robot.log());
   if (load < min_load) return std::nullopt;
-  const auto stopped = [&](const hand::BasePosition& to, double speed, double borne) {
-    return robot.move_base(to, speed, load_below(load - borne, robot.time() + kSetOutSeconds)) ==
+  const auto stopped = [&](const hand::MountPosition& to, double speed, double borne) {
+    return robot.move_mount(to, speed, load_below(load - borne, robot.time() + kSetOutSeconds)) ==
            MotionEnd::stopped;
   };
   const bool met = stopped(over, kDownSpeed, kKnocked) || stopped(low, kGuardedSpeed, kBorne);
   std::optional<double> lowest;
   if (met) {
     robot.add_event(estimation::TouchEvent::table_touched);
-    const double down = choice.turned_base(touch).translation().z() - robot.reading().base.xyz.z();
+    const double down =
+        choice.turned_mount(touch).translation().z() - robot.reading().mount.xyz.z();
     lowest = down - choice.height();
   }
-  robot.move_base(turned, kTurnedSpeed);
+  robot.move_mount(turned, kTurnedSpeed);
   return lowest;
 }
 

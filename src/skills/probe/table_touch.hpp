@@ -34,8 +34,8 @@ class TableTouchChoice {
   /// than any part of the hand.
   [[nodiscard]] std::optional<TableTouch> next() const;
 
-  /// The hand's base once it has turned, the object's centroid where it is.
-  [[nodiscard]] Eigen::Isometry3d turned_base(const TableTouch& touch) const;
+  /// The hand's mount once it has turned, the object's centroid where it is.
+  [[nodiscard]] Eigen::Isometry3d turned_mount(const TableTouch& touch) const;
   /// Height of the object's centroid over the table, m.
   [[nodiscard]] double height() const { return centroid_.z(); }
 
@@ -51,7 +51,7 @@ class TableTouchChoice {
   [[nodiscard]] std::optional<TableTouch> judged(const Eigen::Vector3d& turn) const;
 
   const geometry::ObjectModel& object_;
-  Eigen::Isometry3d base_;
+  Eigen::Isometry3d mount_;
   Eigen::Vector3d centroid_;                              // of the best pose, world
   std::vector<std::pair<Eigen::Vector3d, double>> hand_;  // balls of its surface, world
   std::vector<Eigen::Isometry3d> poses_;                  // drawn from the posterior, world
@@ -61,7 +61,7 @@ class TableTouchChoice {
 
 /// Turns the hand, lets the object down until the table bears some of its weight, records
 /// `table_touched`, and goes up again.
-/// @param min_load  N that must hang on the base, once it stands, for anything to be let down
+/// @param min_load  N that must hang on the mount, once it stands, for anything to be let down
 /// @return the lowest point over the object's centroid; none: the table was not met
 std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choice,
                                   const TableTouch& touch, double min_load);

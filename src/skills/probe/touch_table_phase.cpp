@@ -24,7 +24,7 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
   const double weight = kGravity * estimator_.object().object().mass;
   const double before = localization::best_probability(posterior);
   const double last_start = robot.time() + time_limit() - kOneTouchSeconds - hold_;
-  const hand::BasePosition start = robot.command().base;
+  const hand::MountPosition start = robot.command().mount;
   TableTouchChoice choice(robot, estimator_.object(), posterior,
                           RandomStream(estimator_.seed(), "touch table"));
   int tries = 0, touches = 0;
@@ -36,7 +36,7 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
     touches += lowest.has_value();
   }
   if (tries == 0) return {true, "would add no information"};
-  robot.move_base(start, kBackSpeed);
+  robot.move_mount(start, kBackSpeed);
   robot.wait(std::max(hold_, kSettleSeconds));
   if (estimation::mean_load(robot.log()) < kStillHangs * weight) {
     return {false, "lost on the table"};

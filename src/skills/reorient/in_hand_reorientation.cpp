@@ -108,23 +108,23 @@ class Reorientation {
 
   Vector6d next_step(int steps) const {
     if (steps < options_.tightenings) return Vector6d::Zero();
-    const Eigen::Isometry3d T_base_world = robot_.command().base.pose().inverse();
-    return shortened(way_between(T_base_world * tracked(), T_base_world * goal_),
+    const Eigen::Isometry3d T_mount_world = robot_.command().mount.pose().inverse();
+    return shortened(way_between(T_mount_world * tracked(), T_mount_world * goal_),
                      options_.speed * options_.period, options_.linear_speed * options_.period);
   }
 
   /// Remembers where the fingertips touch, for those that will not in the next look: they go along
   /// with the object and are pressed against it for a while.
   void remember_contacts() {
-    const auto T_base_link = hand::forward_kinematics(robot_.model(), view_.joints);
+    const auto T_mount_link = hand::forward_kinematics(robot_.model(), view_.joints);
     hand::PerFinger<bool> touches{};
     for (const auto& contact : view_.contacts) {
       const auto finger = static_cast<std::size_t>(contact.finger);
       const auto link = static_cast<std::size_t>(robot_.model().fingers[finger].link);
       touches[finger] = true;
       lasts_[finger] = contact;
-      lasts_[finger]->p = T_base_link[link].inverse() * contact.p;
-      lasts_[finger]->n = T_base_link[link].linear().transpose() * contact.n;
+      lasts_[finger]->p = T_mount_link[link].inverse() * contact.p;
+      lasts_[finger]->n = T_mount_link[link].linear().transpose() * contact.n;
       missed_[finger] = 0;
     }
     view_.lost.clear();
@@ -133,8 +133,8 @@ class Reorientation {
       if (touches[finger] || !lasts_[finger] || ++missed_[finger] > options_.regains) continue;
       const auto link = static_cast<std::size_t>(robot_.model().fingers[finger].link);
       tactile::Contact contact = *lasts_[finger];
-      contact.p = T_base_link[link] * contact.p;
-      contact.n = T_base_link[link].linear() * contact.n;
+      contact.p = T_mount_link[link] * contact.p;
+      contact.n = T_mount_link[link].linear() * contact.n;
       view_.lost.push_back(contact);
     }
   }
@@ -176,15 +176,15 @@ class Reorientation {
     view_.lead = correcting_lead(looks_++ < options_.tightenings ? options_.tighten_gain
                                                                  : options_.force_gain);
     tracker_.update(frame());
-    view_.T_base_object = robot_.reading().base.pose().inverse() * tracked();
+    view_.T_mount_object = robot_.reading().mount.pose().inverse() * tracked();
     return ending();
   }
 
   /// Contacts in the world, and how fast the object has moved there since the last look: as it did
   /// in the rollout, or else with fingertips that stick.
   localization::TrackFrame frame() {
-    const auto T_base_link = hand::forward_kinematics(robot_.model(), view_.joints);
-    const Eigen::Isometry3d T_world_base = robot_.reading().base.pose();
+    const auto T_mount_link = hand::forward_kinematics(robot_.model(), view_.joints);
+    const Eigen::Isometry3d T_world_mount = robot_.reading().mount.pose();
     const double time = robot_.time();
     localization::TrackFrame frame;
     frame.time = time;
@@ -195,16 +195,16 @@ class Reorientation {
       if (!last_links_.empty()) {
         const Eigen::Vector3d before =
             displacement_ ? displacement_->inverse() * contact.p
-                          : last_links_[link] * T_base_link[link].inverse() * contact.p;
-        velocity = T_world_base.linear() * (contact.p - before) / (time - last_time_);
+                          : last_links_[link] * T_mount_link[link].inverse() * contact.p;
+        velocity = T_world_mount.linear() * (contact.p - before) / (time - last_time_);
       }
-      contact.p = T_world_base * contact.p;
-      contact.n = T_world_base.linear() * contact.n;
-      contact.f = T_world_base.linear() * contact.f;
+      contact.p = T_world_mount * contact.p;
+      contact.n = T_world_mount.linear() * contact.n;
+      contact.f = T_world_mount.linear() * contact.f;
       frame.contacts.push_back(contact);
       frame.velocities.push_back(velocity);
     }
-    last_links_ = T_base_link;
+    last_links_ = T_mount_link;
     last_time_ = time;
     return frame;
   }

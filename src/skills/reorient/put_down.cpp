@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "palpate/core/se3.hpp"
-#include "skills/base_near.hpp"
+#include "skills/mount_near.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -43,9 +43,9 @@ std::vector<Hold> holds_of(const geometry::ObjectModel& object, const GraspTool&
     for (auto& grasp :
          grasping::find_grasps(object, T_world_object, tool.path, attitude, options.grasp)) {
       if (grasp.cost > options.worst_grasp) continue;
-      const Eigen::Isometry3d T_base_world = grasp.base.pose().inverse();
+      const Eigen::Isometry3d T_mount_world = grasp.mount.pose().inverse();
       Hold hold;
-      hold.T_base_object = T_base_world * T_world_object;
+      hold.T_mount_object = T_mount_world * T_world_object;
       hold.spheres = room_of(tool.path, grasp);
       hold.grasp = std::move(grasp);
       holds.push_back(std::move(hold));
@@ -57,11 +57,11 @@ std::vector<Hold> holds_of(const geometry::ObjectModel& object, const GraspTool&
 Hold hold_of(const hand::Description& hand, const Holding& holding,
              const Eigen::Isometry3d& T_world_object) {
   Hold hold;
-  hold.T_base_object = holding.base.pose().inverse() * T_world_object;
-  const auto T_base_link = hand::forward_kinematics(hand, holding.joints);
+  hold.T_mount_object = holding.mount.pose().inverse() * T_world_object;
+  const auto T_mount_link = hand::forward_kinematics(hand, holding.joints);
   for (const auto& sphere : hand.spheres) {
     const Eigen::Vector3d center =
-        T_base_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
+        T_mount_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
     hold.spheres.emplace_back();
     hold.spheres.back() << center.cast<float>(), static_cast<float>(sphere.radius);
   }
@@ -86,24 +86,24 @@ void PutDown::set_goal(const Eigen::Isometry3d& T_world_to, bool free_yaw) {
 
 /// Lowest point of the hand where it lets go and where it has withdrawn, m above the table.
 double PutDown::clearance(const Hold& hold) const {
-  const Eigen::Isometry3d T_world_base = to_ * hold.T_base_object.inverse();
-  const Eigen::RowVector3f up = T_world_base.linear().row(2).cast<float>();
+  const Eigen::Isometry3d T_world_mount = to_ * hold.T_mount_object.inverse();
+  const Eigen::RowVector3f up = T_world_mount.linear().row(2).cast<float>();
   float low = std::numeric_limits<float>::infinity();
   for (const auto& sphere : hold.spheres) {
     low = std::min(low, up.dot(sphere.head<3>()) - sphere.w());
   }
-  return T_world_base.translation().z() + static_cast<double>(low);
+  return T_world_mount.translation().z() + static_cast<double>(low);
 }
 
 /// Whether the opened hand leaves the object behind when it rises.
 bool PutDown::rises_freely(const Hold& hold) const {
   const auto& field = object_.field();
-  const Eigen::Isometry3f T_object_base = hold.T_base_object.inverse().cast<float>();
+  const Eigen::Isometry3f T_object_mount = hold.T_mount_object.inverse().cast<float>();
   const Eigen::Vector3f up = to_.linear().row(2).transpose().cast<float>();
   for (const auto& sphere : tool_.path.open_spheres) {
     for (const double share : kRise) {
       const Eigen::Vector3f raised =
-          T_object_base * sphere.head<3>() + static_cast<float>(share * options_.retreat) * up;
+          T_object_mount * sphere.head<3>() + static_cast<float>(share * options_.retreat) * up;
       if (field.distance(raised) < std::min(sphere.w() + kFree, field.beyond())) return false;
     }
   }
@@ -114,10 +114,10 @@ bool PutDown::rises_freely(const Hold& hold) const {
 double PutDown::cost(const Hold& hold) const {
   const double moving = options_.transfer_cost + options_.turn_cost * turn_;
   if (!hold.grasp) return moving;
-  const Eigen::Isometry3d T_world_base = to_ * hold.T_base_object.inverse();
+  const Eigen::Isometry3d T_world_mount = to_ * hold.T_mount_object.inverse();
   const double at_end = grasping::grasp_cost(object_, *hold.grasp, options_.grasp,
-                                             -T_world_base.linear().row(2).transpose(),
-                                             hold.T_base_object.translation());
+                                             -T_world_mount.linear().row(2).transpose(),
+                                             hold.T_mount_object.translation());
   if (at_end > options_.worst_grasp) return std::numeric_limits<double>::infinity();
   return moving + hold.grasp->cost + at_end;
 }
@@ -128,8 +128,8 @@ Transfer PutDown::transfer(const Choice& choice) const {
   transfer.T_world_from = from_;
   transfer.T_world_to = to_;
   transfer.release =
-      base_near(to_ * choice.hold->T_base_object.inverse(),
-                choice.hold->grasp ? choice.hold->grasp->base : hand::BasePosition{});
+      mount_near(to_ * choice.hold->T_mount_object.inverse(),
+                 choice.hold->grasp ? choice.hold->grasp->mount : hand::MountPosition{});
   transfer.turn = turn_;
   transfer.clearance = choice.clearance;
   transfer.cost = choice.cost;

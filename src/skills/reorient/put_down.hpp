@@ -10,8 +10,8 @@ namespace palpate::skills {
 /// A way to hold the object, and the room that the hand takes up.
 struct Hold {
   std::optional<grasping::GraspPlan> grasp;  ///< none: the hand holds it already
-  Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();
-  std::vector<Eigen::Vector4f> spheres;  ///< base's frame: closed, but for the fingers' ways
+  Eigen::Isometry3d T_mount_object = Eigen::Isometry3d::Identity();
+  std::vector<Eigen::Vector4f> spheres;  ///< mount's frame: closed, but for the fingers' ways
 };
 
 /// The grasps of an object at rest that are good enough.

@@ -12,7 +12,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/skills/resting_pose.hpp"
-#include "skills/base_near.hpp"
+#include "skills/mount_near.hpp"
 #include "skills/reorient/put_down.hpp"
 
 namespace palpate::skills {
@@ -159,11 +159,12 @@ class Search {
       Transfer& transfer = plan.transfers[k];
       const Eigen::Isometry3d at = plan.transfers[k - 1].T_world_to;
       turned = at * transfer.T_world_from.inverse();
-      transfer.grasp->base = base_near(turned * transfer.grasp->base.pose(), transfer.grasp->base);
+      transfer.grasp->mount =
+          mount_near(turned * transfer.grasp->mount.pose(), transfer.grasp->mount);
       const bool last = k + 1 == plan.transfers.size();
       if (!last) {
         transfer.T_world_to = turned * transfer.T_world_to;
-        transfer.release = base_near(turned * transfer.release.pose(), transfer.release);
+        transfer.release = mount_near(turned * transfer.release.pose(), transfer.release);
       }
       transfer.T_world_from = at;
       transfer.turn = rotation_distance(transfer.T_world_to.linear(), at.linear());

@@ -16,7 +16,8 @@ constexpr double kFallen = 0.010;   // m off the way that was asked for
 /// @param asked  m, of the object
 bool fallen(const RolloutOutcome& settled, const RolloutOutcome& end,
             const Eigen::Vector3d& asked) {
-  const Eigen::Vector3d way = end.T_base_object.translation() - settled.T_base_object.translation();
+  const Eigen::Vector3d way =
+      end.T_mount_object.translation() - settled.T_mount_object.translation();
   return settled.diverged || end.diverged || (way - asked).norm() > kFallen;
 }
 
@@ -33,7 +34,7 @@ hand::ActuatorVector targets_of(const Executor& robot, const GraspView& view,
   hand::ActuatorVector targets =
       view.command.positions + view.lead +
       grasping::finger_motion(robot.model(), view.joints, carrying,
-                              view.T_base_object.translation(), regaining);
+                              view.T_mount_object.translation(), regaining);
   for (Eigen::Index i = 0; i < targets.size(); ++i) {
     const auto& range = robot.actuators()[static_cast<std::size_t>(i)].command;
     targets[i] = std::clamp(targets[i], range.low, range.high);
@@ -91,7 +92,7 @@ double StepSampler::cost(const RolloutOutcome& settled, const RolloutOutcome& en
                          const Vector6d& step) const {
   if (end.diverged) return std::numeric_limits<double>::infinity();
   const SamplingOptions& sampling = options_.sampling;
-  const Vector6d miss = way_between(settled.T_base_object, end.T_base_object) - step;
+  const Vector6d miss = way_between(settled.T_mount_object, end.T_mount_object) - step;
   double sum = miss.head<3>().squaredNorm() / std::pow(sampling.angle_scale, 2) +
                miss.tail<3>().squaredNorm() / std::pow(sampling.distance_scale, 2);
   for (std::size_t finger = 0; finger < robot_.model().fingers.size(); ++finger) {
@@ -127,7 +128,7 @@ ChosenStep StepSampler::choose(const GraspView& view, const Vector6d& step, Rand
   const auto motions = variants(step, random);
   std::vector<double> costs(motions.size());
   const BelievedGrasp grasp{view.command, view.joints,
-                            view.command.base.pose() * view.T_base_object};
+                            view.command.mount.pose() * view.T_mount_object};
   const std::size_t threads = models_.size();
   parallel_for(threads, static_cast<int>(threads), [&](std::size_t thread) {
     ForwardModel& model = *models_[thread];
@@ -143,7 +144,7 @@ ChosenStep StepSampler::choose(const GraspView& view, const Vector6d& step, Rand
   const auto end = model.rollout(commands_of(view, chosen.motion));
   chosen.falls = fallen(settled, end, chosen.motion.twist.tail<3>());
   if (chosen.falls) return chosen;
-  chosen.displacement = end.T_base_object * settled.T_base_object.inverse();
+  chosen.displacement = end.T_mount_object * settled.T_mount_object.inverse();
   return chosen;
 }
 

@@ -16,10 +16,10 @@ namespace palpate::skills {
 struct GraspView {
   hand::HandCommand command;
   hand::JointVector joints;                ///< averaged over the look
-  std::vector<tactile::Contact> contacts;  ///< base's frame
+  std::vector<tactile::Contact> contacts;  ///< mount's frame
   std::vector<tactile::Contact> lost;      ///< where fingertips that touch no more touched last
   double regain = 0;                       ///< m by which these press into the object
-  Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();  ///< tracked
+  Eigen::Isometry3d T_mount_object = Eigen::Isometry3d::Identity();  ///< tracked
   hand::ActuatorVector lead;  ///< rad, that corrects the forces
 };
 
@@ -33,7 +33,7 @@ Vector6d way_between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to)
 /// A motion, and what a rollout of it says that the object does.
 struct ChosenStep {
   grasping::GraspMotion motion;
-  std::optional<Eigen::Isometry3d> displacement;  ///< T_after_before, base's frame
+  std::optional<Eigen::Isometry3d> displacement;  ///< T_after_before, mount's frame
   bool falls = false;                             ///< in the rollout the object is lost
 };
 

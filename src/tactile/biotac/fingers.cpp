@@ -160,10 +160,10 @@ BiotacFingers::BiotacFingers(const hand::Description& hand,
 }
 
 BiotacFingers::TipPoses BiotacFingers::tip_poses(const hand::HandReading& reading) const {
-  const auto T_base_link = hand::forward_kinematics(hand_, reading.joints);
+  const auto T_mount_link = hand::forward_kinematics(hand_, reading.joints);
   TipPoses poses(hand_.fingers.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    poses[i] = reading.base.pose() * T_base_link[static_cast<std::size_t>(hand_.fingers[i].link)];
+    poses[i] = reading.mount.pose() * T_mount_link[static_cast<std::size_t>(hand_.fingers[i].link)];
   }
   return poses;
 }

@@ -32,41 +32,41 @@ void check(const hand::Description& hand, const TipOnPlane& touch) {
     throw BadInput(fmt::format("touch of a plane at ({}, {}, {}) of the fingertip", touch.p.x(),
                                touch.p.y(), touch.p.z()));
   }
-  if (!touch.T_base_plane.matrix().allFinite()) {
+  if (!touch.T_mount_plane.matrix().allFinite()) {
     throw BadInput("touch of a plane whose pose holds a value that is not finite");
   }
 }
 
 // The unknowns: displacements of all links, one after the other, m; then shift and turn of the hand
-// on the base, in the base's frame; then the plane's height and its turns about x and y.
+// on the mount, in the mount's frame; then the plane's height and its turns about x and y.
 constexpr int kMount = 6, kPlane = 3;
 
 Eigen::Index link_unknowns(const hand::Description& hand) {
   return 3 * static_cast<Eigen::Index>(hand.links.size());
 }
 
-/// A point of the fingertip in the base's frame.
-Eigen::Vector3d in_base(const hand::Description& hand, const TipPosture& tip,
-                        const Eigen::Vector3d& p) {
+/// A point of the fingertip in the mount's frame.
+Eigen::Vector3d in_mount(const hand::Description& hand, const TipPosture& tip,
+                         const Eigen::Vector3d& p) {
   const int link = hand.fingers[static_cast<std::size_t>(tip.finger)].link;
   return hand::forward_kinematics(hand, tip.joints)[static_cast<std::size_t>(link)] * p;
 }
 
-/// Derivative of a point of the fingertip, in the base's frame, by all unknowns.
+/// Derivative of a point of the fingertip, in the mount's frame, by all unknowns.
 Eigen::Matrix3Xd point_jacobian(const hand::Description& hand, const TipPosture& tip,
                                 const Eigen::Vector3d& p) {
-  const auto T_base_link = hand::forward_kinematics(hand, tip.joints);
+  const auto T_mount_link = hand::forward_kinematics(hand, tip.joints);
   const Eigen::Index links = link_unknowns(hand);
   Eigen::Matrix3Xd J = Eigen::Matrix3Xd::Zero(3, links + kMount + kPlane);
   for (const int link :
        hand::misplaced_links(hand, hand.fingers[static_cast<std::size_t>(tip.finger)].link)) {
     const int parent = hand.links[static_cast<std::size_t>(link)].parent;
-    Eigen::Matrix3d R_base_parent = Eigen::Matrix3d::Identity();
-    if (parent >= 0) R_base_parent = T_base_link[static_cast<std::size_t>(parent)].linear();
-    J.middleCols<3>(3 * link) = R_base_parent;
+    Eigen::Matrix3d R_mount_parent = Eigen::Matrix3d::Identity();
+    if (parent >= 0) R_mount_parent = T_mount_link[static_cast<std::size_t>(parent)].linear();
+    J.middleCols<3>(3 * link) = R_mount_parent;
   }
   J.middleCols<3>(links).setIdentity();
-  J.middleCols<3>(links + 3) = -skew(in_base(hand, tip, p));
+  J.middleCols<3>(links + 3) = -skew(in_mount(hand, tip, p));
   return J;
 }
 
@@ -106,9 +106,9 @@ class UnknownsBelief {
 
 /// How a point's distance from its plane changes with the unknowns.
 Eigen::VectorXd distance_row(const hand::Description& hand, const TipOnPlane& touch) {
-  const Eigen::Vector3d normal = touch.T_base_plane.linear().col(2);
+  const Eigen::Vector3d normal = touch.T_mount_plane.linear().col(2);
   Eigen::VectorXd row = point_jacobian(hand, touch.tip, touch.p).transpose() * normal;
-  const Eigen::Vector3d q = touch.T_base_plane.inverse() * in_base(hand, touch.tip, touch.p);
+  const Eigen::Vector3d q = touch.T_mount_plane.inverse() * in_mount(hand, touch.tip, touch.p);
   row.tail<kPlane>() << -1, -q.y(), q.x();
   return row;
 }
@@ -163,7 +163,7 @@ Eigen::Isometry3d moved_plane(const Eigen::VectorXd& unknowns) {
 
 double distance_from_plane(const hand::Description& hand, const TipOnPlane& touch) {
   check(hand, touch);
-  return (touch.T_base_plane.inverse() * in_base(hand, touch.tip, touch.p)).z();
+  return (touch.T_mount_plane.inverse() * in_mount(hand, touch.tip, touch.p)).z();
 }
 
 HandCalibration calibrate_links(const hand::Description& hand, std::span<const TipOnPlane> touches,

@@ -106,11 +106,11 @@ std::vector<Contact> lasting_contacts(std::span<const hand::HandReading> window,
   std::vector<Contact> contacts;
   if (window.empty()) return contacts;
   const hand::JointVector joints = mean_joints(window);
-  const auto T_base_link = hand::forward_kinematics(hand, joints);
+  const auto T_mount_link = hand::forward_kinematics(hand, joints);
   const double least = std::max(1.0, kLastingShare * static_cast<double>(window.size()));
   for (std::size_t finger = 0; finger < hand.fingers.size(); ++finger) {
     const int link = hand.fingers[finger].link;
-    const auto& T = T_base_link.at(static_cast<std::size_t>(link));
+    const auto& T = T_mount_link.at(static_cast<std::size_t>(link));
     for (const Cluster& cluster : cluster_tip(window, finger)) {
       if (cluster.count < least) continue;
       const Eigen::Vector3d p_link = cluster.p / cluster.weight;

@@ -200,9 +200,9 @@ FingerFrame finger_frame(const hand::HandReading& reading, const hand::Descripti
   const auto i = static_cast<std::size_t>(finger);
   FingerFrame frame{.time = reading.time, .contacts = {}};
   if (reading.contacts.at(i).empty()) return frame;
-  const auto T_base_link = hand::forward_kinematics(hand, reading.joints);
+  const auto T_mount_link = hand::forward_kinematics(hand, reading.joints);
   const Eigen::Isometry3d T =
-      reading.base.pose() * T_base_link.at(static_cast<std::size_t>(hand.fingers[i].link));
+      reading.mount.pose() * T_mount_link.at(static_cast<std::size_t>(hand.fingers[i].link));
   const NearestInCore nearest_in_core(hand.fingers[i]);
   for (const hand::TipContact& contact : reading.contacts[i]) {
     const Eigen::Vector3d inward = nearest_in_core(contact.p) - contact.p;

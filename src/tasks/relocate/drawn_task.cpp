@@ -32,9 +32,9 @@ simulation::DrawnState DrawnTask::at(const Eigen::VectorXd& positions) {
   const RelocateJoints q = positions.head<kRelocateJoints>();
   const hand::JointVector joints = shadow_joints(q);
   const auto links = hand::forward_kinematics(hand_, joints);
-  const auto& T_base_palm = links[static_cast<std::size_t>(hand_.palm)];
+  const auto& T_mount_palm = links[static_cast<std::size_t>(hand_.palm)];
   return {object_pose(positions), joints,
-          hand::BasePosition::at(dynamics_.palm(q) * T_base_palm.inverse())};
+          hand::MountPosition::at(dynamics_.palm(q) * T_mount_palm.inverse())};
 }
 
 simulation::DrawnState DrawnTask::at(const Eigen::VectorXd& positions,

@@ -20,10 +20,10 @@ recording::Frame frame_at(DrawnTask& drawn, int step, const Eigen::VectorXd& pos
   recording::Frame frame;
   frame.reading.time = step * hand::kTick;
   frame.reading.joints = state.joints;
-  frame.reading.base = state.base;
+  frame.reading.mount = state.mount;
   frame.reading.torques.setZero(drawn.hand().actuator_count());
   frame.reading.contacts.resize(drawn.hand().fingers.size());
-  frame.command = {hand::actuator_positions(drawn.hand(), state.joints), state.base};
+  frame.command = {hand::actuator_positions(drawn.hand(), state.joints), state.mount};
   frame.truth = {state.T_world_object, state.joints};
   return frame;
 }

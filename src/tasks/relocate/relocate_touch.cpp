@@ -77,7 +77,7 @@ RelocateTouch::RelocateTouch(const RelocateModel& model, const simulation::Senso
     : noise_(noise),
       random_(seed, "relocate touch"),
       hand_(adroit_hand_model(model)),
-      base_(forearm(model)),
+      mount_(forearm(model)),
       tips_(tips_of(model)) {
   RandomStream links = random_.fork("links");
   hand_ = hand::with_perturbed_links(std::move(hand_), noise.link, links);
@@ -94,7 +94,7 @@ hand::HandReading RelocateTouch::read(const RelocateTask& task, int step) const 
   reading.torques.setZero(hand_.actuator_count());
   reading.contacts.resize(hand_.fingers.size());
   for (double& angle : reading.joints) angle += noise_.joint * random.normal();
-  reading.base = hand::BasePosition::at(forearm_at(model, base_, q));
+  reading.mount = hand::MountPosition::at(forearm_at(model, mount_, q));
   for (int i = 0; i < state.data->ncon; ++i) {
     const auto touch = simulation::read_fingertip_touch(model, *state.data, i, tips_);
     if (!touch || model.geom_bodyid[touch->other_geom] != state.scene().object) continue;

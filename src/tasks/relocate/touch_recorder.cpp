@@ -28,7 +28,7 @@ void TouchRecorder::step(const hand::HandReading& reading, const RelocateTask& t
   const Eigen::Isometry3d T_world_object =
       object_pose(task.positions()) * recording_.header.object.T_mesh_object;
   recording_.frames.push_back({reading,
-                               {hand::actuator_positions(hand, joints), reading.base},
+                               {hand::actuator_positions(hand, joints), reading.mount},
                                recording::FrameTruth{T_world_object, joints}});
   if (tracker.estimates() == estimates_) return;
   estimates_ = tracker.estimates();

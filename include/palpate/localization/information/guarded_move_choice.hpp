@@ -17,7 +17,7 @@ struct GuardedMove {
 /// axes.
 struct ProbingFinger {
   std::vector<localization::FreeSphere> tip, rest;  ///< rest: of the hand
-  Eigen::Matrix3d R_world_base = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d R_world_mount = Eigen::Matrix3d::Identity();
 };
 
 /// A guarded move and how well its end distinguishes poses.
@@ -67,7 +67,7 @@ struct RefiningMove {
 };
 
 /// The guarded move after which a resting pose is known best, by the linearised errors of the pose
-/// and of an offset of the fingertip that all touches share in the base's frame.
+/// and of an offset of the fingertip that all touches share in the mount's frame.
 ///
 /// @param fingers  the probing finger for each turn of the hand
 /// @param done     the guarded moves made so far

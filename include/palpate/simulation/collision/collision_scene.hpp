@@ -29,10 +29,10 @@ class CollisionScene final : public planning::CollisionChecker {
 
   void place(const Eigen::Isometry3d& T_world_object) override;
   void hold(const Eigen::Isometry3d& T_palm_object) override;
-  [[nodiscard]] Eigen::Isometry3d palm_pose(const hand::BasePosition& base,
+  [[nodiscard]] Eigen::Isometry3d palm_pose(const hand::MountPosition& mount,
                                             const hand::JointVector& joints) override;
   [[nodiscard]] std::optional<planning::CollidingPair> deepest_collision(
-      const hand::BasePosition& base, const hand::JointVector& joints) override;
+      const hand::MountPosition& mount, const hand::JointVector& joints) override;
 
  private:
   struct Impl;

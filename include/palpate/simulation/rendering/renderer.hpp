@@ -39,7 +39,7 @@ struct Ghost {
 struct DrawnState {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
   hand::JointVector joints;  ///< rad
-  hand::BasePosition base;
+  hand::MountPosition mount;
   double object_opacity = 1;  ///< 0..1; 0: the object is not drawn
   std::vector<Ghost> ghosts = {};
   std::string caption = {};  ///< ASCII, in the picture's upper left corner; several lines by \n

@@ -28,7 +28,7 @@ struct ObjectContact {
 struct ObjectStep {
   double time = 0;                                                   ///< s, at its start
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< at its start
-  Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();    ///< of the hand, at its start
+  Eigen::Isometry3d T_world_mount = Eigen::Isometry3d::Identity();   ///< of the hand, at its start
   hand::JointVector joints;                                          ///< rad, at its start
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();                 ///< N, on the object
   Eigen::Vector3d momentum_change = Eigen::Vector3d::Zero();         ///< N s, linear

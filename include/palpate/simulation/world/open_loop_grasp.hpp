@@ -6,12 +6,12 @@
 
 namespace palpate::simulation {
 
-/// A grasp by set moves, which regards no sensor but that of the load on the base: to study
+/// A grasp by set moves, which regards no sensor but that of the load on the mount: to study
 /// contacts in, where the pick of the pipeline would take long and be beside the point.
 struct OpenLoopGrasp {
   Start start;            ///< of the object
   bool side = true;       ///< from the side, else from above
-  double height = 0.073;  ///< m, of the base when it closes
+  double height = 0.073;  ///< m, of the mount when it closes
   double grip = 1.0;      ///< of the holding torques
   double close_seconds = 1.5;
   double lift_seconds = 1.0;

@@ -9,10 +9,10 @@
 namespace palpate::skills {
 
 struct HeightProbeOptions {
-  double start_height = 0.26;  ///< of the hand's base, m
+  double start_height = 0.26;  ///< of the hand's mount, m
   double speed = 0.10;         ///< downwards above anything that can stand there, m/s
   double touch_speed = 0.05;   ///< downwards below that, m/s
-  double touch_force = 0.7;    ///< N of load on the base
+  double touch_force = 0.7;    ///< N of load on the mount
   double clearance = 0.012;    ///< stop this far above the table, m
   double travel_speed = 0.5;   ///< through the air, m/s
   double search = 0.10;        ///< m to four sides, half of it first, where nothing is touched

@@ -15,7 +15,7 @@ namespace palpate::skills {
 /// posture.
 struct ApproachOptions {
   double approach_speed = 0.10;  ///< m/s
-  double contact_load = 1.0;     ///< N on the base that ends the approach
+  double contact_load = 1.0;     ///< N on the mount that ends the approach
   double push = 0;               ///< m to go on after that (side grasp)
   double closing_rate = 0.25;    ///< rad/s of an actuator that closes at speed 1
 
@@ -115,7 +115,7 @@ class GraspPhase : public Phase {
   void approach_from_side(Executor& robot, const PickState& state) const;
   void approach_from_above(Executor& robot, PickState& state) const;
   void descend(Executor& robot, const PickState& state) const;
-  void travel_to(Executor& robot, const hand::BasePosition& start, const hand::Preshape& preshape,
+  void travel_to(Executor& robot, const hand::MountPosition& start, const hand::Preshape& preshape,
                  double clear_height) const;
   void close(Executor& robot, const Closing& how) const;
   PhaseEnd held_up(const Executor& robot) const;

@@ -33,32 +33,32 @@ struct InHandReorientationOptions {
 /// What the fingers were asked and what became of it, as the robot itself knows it.
 struct InHandReorientation {
   Eigen::Vector3d asked = Eigen::Vector3d::Zero();  ///< rotation vector, world's axes, rad
-  double base_rotation = 0;  ///< rad that the base would have had to turn without it
-  std::string why;           ///< the fingers were used
-  ReorientResult result;     ///< with the tracked pose at the end
-  bool lost = false;         ///< too little hangs in the hand afterwards
-  bool known = false;        ///< the tracked pose is certain enough to go on with
+  double mount_rotation = 0;  ///< rad that the mount would have had to turn without it
+  std::string why;            ///< the fingers were used
+  ReorientResult result;      ///< with the tracked pose at the end
+  bool lost = false;          ///< too little hangs in the hand afterwards
+  bool known = false;         ///< the tracked pose is certain enough to go on with
 };
 
 /// The rotation (world's axes, rad) of the object in the hand that takes the most of the turn from
-/// one attitude of the base off it: along the shortest way, `most` at the longest.
-Eigen::Vector3d share_of_fingers(const hand::BasePosition& from, const hand::BasePosition& to,
+/// one attitude of the mount off it: along the shortest way, `most` at the longest.
+Eigen::Vector3d share_of_fingers(const hand::MountPosition& from, const hand::MountPosition& to,
                                  double most);
 
 /// The grasp after the object has turned in the hand about its centroid. What the table fixed of
 /// height and tilt when the fingers closed is of no use then.
-HeldObject turned_in_hand(const HeldObject& held, const hand::BasePosition& base,
+HeldObject turned_in_hand(const HeldObject& held, const hand::MountPosition& mount,
                           const Eigen::Vector3d& rotation_world);
 
-/// A turn in the hand after which some position of the base brings the object to the target, where
+/// A turn in the hand after which some position of the mount brings the object to the target, where
 /// none does as it is held: towards the target first, then about the world's axes, short ones
 /// first.
 /// @param reaches  whether the object, held so, can be brought there
 std::optional<Eigen::Vector3d> turn_that_reaches(
-    const HeldObject& held, const hand::BasePosition& base, const Eigen::Vector3d& towards,
+    const HeldObject& held, const hand::MountPosition& mount, const Eigen::Vector3d& towards,
     double most, const std::function<bool(const HeldObject&)>& reaches);
 
-/// Turns the held object in the hand, the base at rest, by reorient_in_hand. However that ends,
+/// Turns the held object in the hand, the mount at rest, by reorient_in_hand. However that ends,
 /// the phase goes well as long as the object hangs in the hand and the tracked pose is within the
 /// drift limit: it is then the estimate. Where fingers were about to lose it, they press again.
 class InHandReorientationPhase : public Phase {

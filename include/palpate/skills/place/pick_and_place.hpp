@@ -37,7 +37,7 @@ struct PickAndPlaceResult {
 /// Picks the object and brings it to its target: `picks` times in one hold; by regrasp() where that
 /// was asked for, or where one hold could not bring it there: it was put back as unreachable, or
 /// for another reason on its way into another stable pose. The fingers turn it in the first hold
-/// alone: what they did not bring there is then left to the base.
+/// alone: what they did not bring there is then left to the mount.
 ///
 /// @param robot  stands free above the table; the object is near the world's origin
 /// @throws BadInput for a PlaceOptions::strategy that does not exist, before anything moves

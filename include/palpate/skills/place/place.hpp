@@ -68,8 +68,8 @@ struct PlaceOptions {
 /// Which way an object is brought to its target.
 enum class PlaceStrategy {
   automatic,  ///< in one hold, turned in the hand or grasped again where that cannot be
-  wrist,      ///< in one hold, turned by the hand's base
-  fingers,    ///< in one hold, turned first by the fingers as far as they can, then by the base
+  wrist,      ///< in one hold, turned by the hand's mount
+  fingers,    ///< in one hold, turned first by the fingers as far as they can, then by the mount
   regrasp     ///< with planned grasps, over other stable poses if need be
 };
 std::string_view to_string(PlaceStrategy strategy);
@@ -82,7 +82,7 @@ PlaceStrategy place_strategy(const PlaceOptions& options);
 enum class PlaceStatus {
   placed,       ///< the object stands at the target, as far as was sensed
   ambiguous,    ///< its pose is not known well enough: it was put back
-  unreachable,  ///< no position of the base brings it to the target: it was put back
+  unreachable,  ///< no position of the mount brings it to the target: it was put back
   refused,      ///< something was in its way at the target: it was put back
   slipped,      ///< it moved in the hand more than is known: it was put back
   lost,         ///< it fell out of the hand
@@ -135,7 +135,7 @@ PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& targ
                         const PlaceOptions& options);
 
 /// Transport and placement (thesis chapter 1) of the object that hangs in the hand after a pick:
-/// find where the base has to go, turn by the fingers where that is asked for or alone makes the
+/// find where the mount has to go, turn by the fingers where that is asked for or alone makes the
 /// target reachable, carry, set down by touch, let go, withdraw, verify by touch. What
 /// cannot be done is said, and the object put back gently where it came from.
 ///

@@ -13,10 +13,10 @@ namespace palpate::skills {
 
 /// How the object is held, as far as it matters to placing it.
 struct HeldObject {
-  Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();  ///< in the air
+  Eigen::Isometry3d T_mount_object = Eigen::Isometry3d::Identity();  ///< in the air
   /// As it stood on the table in the closed hand, laid flat: lifting it let the fingers give way,
   /// setting it down takes that back.
-  Eigen::Isometry3d T_base_object_flat = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_mount_object_flat = Eigen::Isometry3d::Identity();
   std::size_t found_stable_pose = 0;  ///< in which it stood there
   double certainty = 0;               ///< share of the estimate that would be placed like this one
 };
@@ -35,12 +35,12 @@ std::optional<HeldObject> held_object(const geometry::KnownObject& object,
                                       std::optional<std::size_t> at,
                                       const localization::SamePose& same, bool turned = false);
 
-/// Where the base has to go, as measured, and the pose of the object that this is for.
+/// Where the mount has to go, as measured, and the pose of the object that this is for.
 struct PlaceGoal {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< one of equal targets
-  Eigen::Isometry3d T_base_object = Eigen::Isometry3d::Identity();   ///< that it counts on
-  hand::BasePosition base;                                           ///< object at the target
-  hand::BasePosition above;                                          ///< object over it
+  Eigen::Isometry3d T_mount_object = Eigen::Isometry3d::Identity();  ///< that it counts on
+  hand::MountPosition mount;                                         ///< object at the target
+  hand::MountPosition above;                                         ///< object over it
   double sunk = 0;  ///< m by which the object hangs lower than it counts on, and is met earlier
 };
 
@@ -54,8 +54,8 @@ struct GoalSearch {
 struct GoalOptions {
   double rise = 0.10;    ///< m over the target from which the object is let down
   double room = 0.0015;  ///< m over the target where nothing may collide yet
-  double reach = 0.9;    ///< m, of |x| and |y| of the base
-  double highest = 0.9;  ///< m, of the base
+  double reach = 0.9;    ///< m, of |x| and |y| of the mount
+  double highest = 0.9;  ///< m, of the mount
 
   template <class Visitor>
   void visit(Visitor&& v) {
@@ -67,11 +67,11 @@ struct GoalOptions {
   }
 };
 
-/// The base position that brings the held object to the target: base = T_world_object S
-/// T_base_object^-1, where S is that symmetry of the object that needs the least turn of the base
+/// The mount position that brings the held object to the target: mount = T_world_object S
+/// T_mount_object^-1, where S is that symmetry of the object that needs the least turn of the mount
 /// and leaves hand and object free of table and fixture.
 /// @param scene  with the object held in it
-/// @param now  where the base is; joints: of the closed hand, rad
+/// @param now  where the mount is; joints: of the closed hand, rad
 GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held,
                      const Eigen::Isometry3d& T_world_target, const hand::HandReading& now,
                      planning::CollisionChecker& scene, const GoalOptions& options);

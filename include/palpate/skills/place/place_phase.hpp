@@ -89,15 +89,15 @@ class PlacePhase : public Phase {
 
  private:
   Touchdown lower(Executor& robot, const Eigen::Vector3d& aside);
-  std::optional<Touchdown> descend(Executor& robot, const hand::BasePosition& at_goal) const;
+  std::optional<Touchdown> descend(Executor& robot, const hand::MountPosition& at_goal) const;
 
   LowerOptions options_;
   PlaceGoal goal_;
   double wall_;
   std::string name_;
   Eigen::Isometry3d T_world_object_ = Eigen::Isometry3d::Identity();
-  hand::BasePosition contact_;  // commanded at the last contact
-  double height_error_ = 0;     // m, of the contact over where it was expected
+  hand::MountPosition contact_;  // commanded at the last contact
+  double height_error_ = 0;      // m, of the contact over where it was expected
   bool released_ = false;
   Touchdown touchdown_ = Touchdown::nothing;
 };
@@ -105,8 +105,8 @@ class PlacePhase : public Phase {
 struct WithdrawOptions {
   double speed = 0.05;     ///< m/s, out of the object's reach
   double distance = 0.12;  ///< m
-  double caught = 0.3;     ///< N on the base that mean the object comes along
-  double height = 0.34;    ///< m, where the base then waits
+  double caught = 0.3;     ///< N on the mount that mean the object comes along
+  double height = 0.34;    ///< m, where the mount then waits
   double far_speed = 0.3;  ///< m/s, up there
   double empty = 0.25;     ///< share of the object's weight that must not hang in the hand
 
@@ -124,7 +124,7 @@ struct WithdrawOptions {
 };
 
 /// Takes the open hand away upwards. Where something pulls, the hand goes back, opens wider and
-/// tries again. At the end the base must carry nothing.
+/// tries again. At the end the mount must carry nothing.
 class WithdrawPhase : public Phase {
  public:
   /// @param weight  of the object, N

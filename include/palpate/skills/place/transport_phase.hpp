@@ -14,8 +14,8 @@ namespace palpate::skills {
 inline planning::PlanOptions transport_plan_options() {
   planning::PlanOptions options;
   options.move_all = false;
-  options.base.turn = 4 * std::numbers::pi;  // picking may have gone round the object
-  options.limits.base_acceleration = 0.5;
+  options.mount.turn = 4 * std::numbers::pi;  // picking may have gone round the object
+  options.limits.mount_acceleration = 0.5;
   options.limits.turn_acceleration = 2.0;
   options.limits.turn_speed = 0.8;
   return options;
@@ -45,7 +45,7 @@ struct TransportOptions {
 };
 
 /// Carries the held object over its goal along a planned path that is free of collisions (thesis
-/// section 2.2.1) for the hand and for the object at its ESTIMATED pose. Only the base moves; the
+/// section 2.2.1) for the hand and for the object at its ESTIMATED pose. Only the mount moves; the
 /// fingers keep pressing, and bear the weight wherever it pulls as the hand turns. Loss and slip
 /// are noticed by touch and load.
 class TransportPhase : public Phase {
@@ -64,7 +64,7 @@ class TransportPhase : public Phase {
 
  private:
   std::vector<hand::HandCommand> commands(const Executor& robot,
-                                          const hand::BasePosition& yielded) const;
+                                          const hand::MountPosition& yielded) const;
 
   TransportOptions options_;
   planning::CollisionChecker& scene_;

@@ -124,7 +124,7 @@ struct ReorientResult {
   double seconds = 0;       ///< of the robot's time
 };
 
-/// Turns a held object in the hand to a pose in the world by moving the fingers, the base at rest.
+/// Turns a held object in the hand to a pose in the world by moving the fingers, the mount at rest.
 ///
 /// Model predictive path integral control (Williams et al., ICRA 2016) on grasp coordinates: a step
 /// is a twist of the object and a press of each fingertip; its joint targets are those with which

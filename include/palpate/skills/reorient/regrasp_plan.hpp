@@ -13,7 +13,7 @@ namespace palpate::skills {
 /// How an object gets into another pose.
 enum class Strategy {
   none,     ///< it has that pose
-  carry,    ///< held once, turned by the hand's base
+  carry,    ///< held once, turned by the hand's mount
   regrasp,  ///< put down in other stable poses on the way, and grasped again
 };
 std::string_view to_string(Strategy strategy);
@@ -21,7 +21,7 @@ std::string_view to_string(Strategy strategy);
 /// The hand as the search sees it: how it closes, and at which attitudes it comes down.
 struct GraspTool {
   grasping::ClosingTrajectory path;
-  std::vector<hand::Attitude> attitudes;  ///< of the base
+  std::vector<hand::Attitude> attitudes;  ///< of the mount
 };
 
 /// The tool of the grasps from above, at the attitudes from which an object can then be turned far.
@@ -29,9 +29,9 @@ GraspTool regrasp_tool(const hand::Description& hand);
 
 /// A hand that holds the object already.
 struct Holding {
-  hand::BasePosition base;
+  hand::MountPosition mount;
   hand::JointVector joints;                         ///< rad
-  Eigen::Vector3d away = Eigen::Vector3d::UnitZ();  ///< unit, base's frame: where it came from
+  Eigen::Vector3d away = Eigen::Vector3d::UnitZ();  ///< unit, mount's frame: where it came from
 };
 
 /// A coarser search for grasps than where only one is wanted.
@@ -99,9 +99,9 @@ struct Transfer {
   std::optional<grasping::GraspPlan> grasp;  ///< none: the hand holds the object already
   Eigen::Isometry3d T_world_from = Eigen::Isometry3d::Identity();  ///< the object's poses
   Eigen::Isometry3d T_world_to = Eigen::Isometry3d::Identity();
-  hand::BasePosition release;  ///< base where the hand lets go
-  double turn = 0;             ///< rad, by which the hand turns while it holds
-  double clearance = 0;        ///< m, of the hand from the table where it lets go and withdraws
+  hand::MountPosition release;  ///< mount where the hand lets go
+  double turn = 0;              ///< rad, by which the hand turns while it holds
+  double clearance = 0;         ///< m, of the hand from the table where it lets go and withdraws
   double cost = 0;
 };
 
@@ -129,8 +129,8 @@ struct RegraspPlan {
 /// A graph (as Lozano-Perez' and Tournassoud's regrasping): its nodes are the start, the object's
 /// stable poses up to symmetry, and the target; an edge is a grasp in one pose by which the object
 /// can be put down in the other so that neither the closed hand nor the opened one, withdrawing the
-/// way it came, meets the table. The hand's base turns freely. Searched best first (A*, whose bound
-/// is one transfer), so that grasps are only sought in stable poses that are worth it.
+/// way it came, meets the table. The hand's mount turns freely. Searched best first (A*, whose
+/// bound is one transfer), so that grasps are only sought in stable poses that are worth it.
 /// Deterministic.
 /// @param holding  of a hand that holds the object at T_world_object
 /// @throws BadInput for poses that are not finite, or a target inside the table

@@ -20,7 +20,7 @@ class BiotacHand : public hand::Hand {
   /// @throws BadInput if the hand's readings hold no channels
   hand::HandReading step(const hand::HandCommand& command) override;
   [[nodiscard]] hand::PathFeasibility check_path(
-      std::span<const hand::BasePosition> way) const override {
+      std::span<const hand::MountPosition> way) const override {
     return hand_.check_path(way);
   }
   [[nodiscard]] hand::MountLimits mount_limits() const override { return hand_.mount_limits(); }

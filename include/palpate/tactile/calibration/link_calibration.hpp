@@ -20,14 +20,14 @@ struct TipOnPlane {
   TipPosture tip;
   Eigen::Vector3d p;  ///< point that touches, in the distal link's frame, m
   /// Where the plane is believed: z = 0 of this frame, z towards the hand.
-  Eigen::Isometry3d T_base_plane = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_mount_plane = Eigen::Isometry3d::Identity();
   double sigma = 0.0003;  ///< m, of that point along the normal, but for what is to be found
 };
 
 /// What is known before of how far things are from where they are believed, standard deviations of
 /// each component.
 struct MountPrior {
-  double mount = 0;         ///< m, of the hand on the base
+  double mount = 0;         ///< m, of the hand on what carries it
   double mount_angle = 0;   ///< rad
   double table_height = 0;  ///< m, of the plane, at its frame's origin
   double table_tilt = 0;    ///< rad, of the plane
@@ -40,7 +40,7 @@ struct HandCalibration {
   Eigen::Isometry3d T_believed_plane = Eigen::Isometry3d::Identity();
 };
 
-/// The hand whose links are where touches of a plane place them, where the base carries it, and
+/// The hand whose links are where touches of a plane place them, where the mount carries it, and
 /// where the plane is.
 ///
 /// Unknown are a displacement of every link that may_be_misplaced(), normal with the hand's

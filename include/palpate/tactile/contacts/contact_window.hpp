@@ -43,7 +43,7 @@ hand::JointVector mean_joints(std::span<const hand::HandReading> window);
 double link_offset_sigma(const hand::Description& hand, int finger);
 
 /// The lasting contacts of a hand that holds still: those of each fingertip clustered by place and
-/// direction over the window, averaged, and expressed in the base's frame with their uncertainty.
+/// direction over the window, averaged, and expressed in the mount's frame with their uncertainty.
 ///
 /// Contacts present in less than a third of the readings are dropped, as are readings whose contact
 /// is not finite. Those without a normal (zero) are clustered by place alone, apart from the

@@ -38,7 +38,7 @@ class RelocateTouch {
   simulation::SensorNoise noise_;
   RandomStream random_;
   hand::Description hand_;
-  int base_;               ///< body
+  int mount_;              ///< body
   std::vector<int> tips_;  ///< geoms
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/base_near.hpp"
+#include "skills/mount_near.hpp"
 
 #include <algorithm>
 #include <array>
@@ -22,13 +22,13 @@ std::array<Eigen::Vector3d, 2> angles_of(const Eigen::Matrix3d& R) {
 
 }  // namespace
 
-hand::BasePosition base_near(const Eigen::Isometry3d& T_world_base,
-                             const hand::BasePosition& near) {
+hand::MountPosition mount_near(const Eigen::Isometry3d& T_world_mount,
+                               const hand::MountPosition& near) {
   constexpr double kTurn = 2 * std::numbers::pi;
-  hand::BasePosition best;
-  best.xyz = T_world_base.translation();
+  hand::MountPosition best;
+  best.xyz = T_world_mount.translation();
   double least = std::numeric_limits<double>::infinity();
-  for (Eigen::Vector3d ypr : angles_of(T_world_base.linear())) {
+  for (Eigen::Vector3d ypr : angles_of(T_world_mount.linear())) {
     ypr -= kTurn * ((ypr - near.ypr) / kTurn).array().round().matrix();
     const double turn = (ypr - near.ypr).norm();
     if (turn >= least) continue;

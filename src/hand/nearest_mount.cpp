@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/hand/nearest_base.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -27,10 +27,10 @@ Eigen::Vector3d at_quarter_turn(const Eigen::Matrix3d& R, const Eigen::Vector3d&
 
 }  // namespace
 
-BasePosition nearest_base(const Eigen::Isometry3d& T_world_base, const BasePosition& near) {
-  BasePosition found = BasePosition::at(T_world_base);
+MountPosition nearest_mount(const Eigen::Isometry3d& T_world_mount, const MountPosition& near) {
+  MountPosition found = MountPosition::at(T_world_mount);
   if (std::numbers::pi / 2 - std::abs(found.ypr[1]) < kQuarterTurn) {
-    found.ypr = at_quarter_turn(T_world_base.linear(), near.ypr);
+    found.ypr = at_quarter_turn(T_world_mount.linear(), near.ypr);
     return found;
   }
   const double half = std::numbers::pi;
