@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "localization/likelihood/check_evidence.hpp"
 #include "localization/likelihood/energy_maker.hpp"
@@ -12,6 +14,7 @@
 #include "localization/search/pose_family.hpp"
 #include "localization/search/proposal.hpp"
 #include "palpate/core/angle.hpp"
+#include "palpate/core/se3.hpp"
 #include "palpate/localization/localizer.hpp"
 
 namespace palpate::localization {
@@ -21,8 +24,14 @@ constexpr PoseTolerance kLoose{1.7 * kDegree,
                                0.0033};   // a standard deviation: a third of the tolerance
 constexpr int kMinStarts = 3;             // that must have led to the best pose
 constexpr double kNegligibleMode = 1e-4;  // weight of a pose not worth reporting
+constexpr int kDraws = 600;               // about the basins, that weigh the modes
+constexpr double kMinEffective = 100;     // of these
 
 using Symmetries = PoseFamily::Symmetries;
+
+void sort_by_weight(std::vector<Mode>& modes) {
+  std::ranges::stable_sort(modes, std::ranges::greater{}, &Mode::weight);
+}
 
 /// Basins within the tolerance of a pose are one mode.
 std::vector<Mode> modes_of(const std::vector<Basin>& basins, const Symmetries& symmetries,
@@ -40,8 +49,7 @@ std::vector<Mode> modes_of(const std::vector<Basin>& basins, const Symmetries& s
       modes.push_back({pose.isometry(), shares[i], covariance_of(basins[i].best), std::nullopt});
     }
   }
-  std::stable_sort(modes.begin(), modes.end(),
-                   [](const Mode& m, const Mode& n) { return m.weight > n.weight; });
+  sort_by_weight(modes);
   return modes;
 }
 
@@ -57,6 +65,71 @@ bool tight(const Mode& mode, const Symmetries& symmetries) {
          widest(mode.covariance.bottomRightCorner<3, 3>()) < kLoose.translation;
 }
 
+/// Poses about the basins, with their shares of the mass of the posterior there.
+struct Draws {
+  std::vector<PosePoint> poses;
+  std::vector<double> shares;
+};
+
+Draws draws_about(const std::vector<Basin>& basins, const Energy& energy, RandomStream random) {
+  const auto about = mixture_proposal(mixture_about(basins));
+  Draws draws;
+  std::vector<double> log_weights;
+  for (int i = 0; i < kDraws; ++i) {
+    const SearchPose pose = about->draw(random);
+    log_weights.push_back(static_cast<double>(about->energy(pose) - energy(pose)));
+    draws.poses.emplace_back(Eigen::Quaterniond(pose.R.cast<double>()).normalized(),
+                             pose.t.cast<double>());
+  }
+  const double largest = *std::ranges::max_element(log_weights);
+  double total = 0;
+  for (const double w : log_weights) {
+    draws.shares.push_back(std::exp(w - largest));
+    total += draws.shares.back();
+  }
+  for (double& share : draws.shares) share /= total;
+  return draws;
+}
+
+/// Of as many equally weighted draws as say no more.
+double effective_size(const Draws& draws) {
+  double squares = 0;
+  for (const double share : draws.shares) squares += share * share;
+  return 1 / squares;
+}
+
+/// Of the draws within the tolerance of a mode's pose, about it.
+Matrix6d spread_about(const Mode& mode, const Draws& draws, const Symmetries& symmetries) {
+  const PoseFamily ball{PosePoint(mode.T_frame_object)};
+  Matrix6d sum = Matrix6d::Zero();
+  double held = 0;
+  for (std::size_t i = 0; i < draws.poses.size(); ++i) {
+    if (!ball.contains(draws.poses[i], symmetries)) continue;
+    const PosePoint image = ball.match(draws.poses[i], symmetries).image;
+    Vector6d deviation;
+    deviation << log_so3((image.q * ball.pose().q.conjugate()).toRotationMatrix()),
+        image.t - ball.pose().t;
+    sum += draws.shares[i] * deviation * deviation.transpose();
+    held += draws.shares[i];
+  }
+  return sum / held;
+}
+
+/// Gives the modes the mass within the tolerance of their poses. Laplace's approximation takes all
+/// of a basin to be there, and holds for the likeliest hypothesis about the noise alone.
+void weigh(std::vector<Mode>& modes, Draws draws, const Symmetries& symmetries) {
+  for (Mode& mode : modes) {
+    const PoseFamily ball{PosePoint(mode.T_frame_object)};
+    mode.weight = 0;
+    for (std::size_t i = 0; i < draws.poses.size(); ++i) {
+      if (!ball.contains(draws.poses[i], symmetries)) continue;
+      mode.weight += std::exchange(draws.shares[i], 0);
+    }
+  }
+  std::erase_if(modes, [](const Mode& mode) { return mode.weight <= kNegligibleMode; });
+  sort_by_weight(modes);
+}
+
 /// The modes, if they are all that there can be: nothing otherwise.
 std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Evidence& evidence,
                                 RandomStream random, const LocalizerOptions& search,
@@ -69,11 +142,20 @@ std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Eviden
       {options.proposals, options.starts, energy_at.first_scale(), half_turns(model.object())},
       random);
   if (basins.empty()) return {};
-  const auto modes = modes_of(basins, symmetries, static_cast<std::size_t>(search.modes));
+  auto modes = modes_of(basins, symmetries, static_cast<std::size_t>(search.modes));
   const Basin& best = basins.front();
-  const bool trusted = best.starts >= kMinStarts && tight(modes.front(), symmetries) &&
-                       pose_probability(modes.front()) > options.certainty &&
-                       !fit_is_rejected(model, evidence, best.best.pose, search.contact_offset);
+  if (best.starts < kMinStarts || !tight(modes.front(), symmetries) ||
+      pose_probability(modes.front()) <= options.certainty ||
+      fit_is_rejected(model, evidence, best.best.pose, search.contact_offset)) {
+    return {};
+  }
+  // Turns of a body of revolution about its axis would have to be drawn from all round.
+  if (!symmetries.seen_rotations().isIdentity()) return modes;
+  const Draws draws = draws_about(basins, energy_at(1), random.fork("weighing"));
+  if (effective_size(draws) < kMinEffective) return {};
+  weigh(modes, draws, symmetries);
+  const bool trusted = !modes.empty() && pose_probability(modes.front()) > options.certainty;
+  if (trusted) modes.front().covariance = spread_about(modes.front(), draws, symmetries);
   return trusted ? modes : std::vector<Mode>{};
 }
 

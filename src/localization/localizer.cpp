@@ -26,11 +26,8 @@ constexpr int kProposalsPerParticle = 4;
 constexpr std::size_t kConstraints = 3;  // of a contact, distance and normal; and of a table
 constexpr std::size_t kEnough = 12;      // twice a pose's freedoms
 constexpr int kMaxOpen = 1;              // directions of a basin that a chain of basins can cover
-constexpr double kNegligible = 1e-5;     // share of a basin that is left out
 constexpr double kMaxUnseen = 0.05;      // of fresh poses, outside the balls of those there are
 constexpr int kMore = 3;                 // times the samples are drawn besides where it is more
-constexpr double kWiden = 2;             // of Laplace's covariances: the tails must be covered
-constexpr double kNuggetAngle = 0.005, kNuggetStep = 0.0003;  // rad, m
 
 std::vector<PosePoint> poses_of(const std::vector<Particle>& particles) {
   std::vector<PosePoint> result;
@@ -121,24 +118,6 @@ class Sampler {
     options.proposals = kProposalsPerParticle * options.particles;
     options.first_scale = 1;
     return sample_posterior({*about, moves_, energy_at_}, options, random);
-  }
-
-  static PosePrior mixture_about(const std::vector<Basin>& basins) {
-    const std::vector<double> shares = basin_shares(basins);
-    Vector6d nugget;
-    nugget << Eigen::Vector3d::Constant(kNuggetAngle * kNuggetAngle),
-        Eigen::Vector3d::Constant(kNuggetStep * kNuggetStep);
-    PosePrior mixture;
-    double total = 0;
-    for (std::size_t i = 0; i < basins.size(); ++i) {
-      if (shares[i] < kNegligible) continue;
-      const Matrix6d covariance =
-          kWiden * covariance_of(basins[i].best) + Matrix6d(nugget.asDiagonal());
-      mixture.components.push_back({basins[i].pose.isometry(), std::sqrt(shares[i]), covariance});
-      total += mixture.components.back().weight;
-    }
-    for (auto& component : mixture.components) component.weight /= total;
-    return mixture;
   }
 
   LocalizerOptions options_;

@@ -118,6 +118,30 @@ std::vector<Eigen::Isometry3d> turned_about_axes(const PointCloud& source,
   return poses;
 }
 
+std::vector<Eigen::Isometry3d> with_axes_aligned(const PointCloud& source,
+                                                 const PointCloud& target) {
+  const PrincipalAxes from = principal_axes(source), to = principal_axes(target);
+  std::vector<Eigen::Isometry3d> poses;
+  for (const double x : {1, -1}) {
+    for (const double y : {1, -1}) {
+      Eigen::Matrix3d turned = to.directions;
+      turned.col(0) *= x;
+      turned.col(1) *= y;
+      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+      T.linear() = turned * from.directions.transpose();
+      if (T.linear().determinant() < 0) {
+        turned.col(2) *= -1;
+        T.linear() = turned * from.directions.transpose();
+      }
+      for (std::size_t k = 0; k < from.centers.size(); ++k) {
+        T.translation() = to.centers[k] - T.linear() * from.centers[k];
+        poses.push_back(T);
+      }
+    }
+  }
+  return poses;
+}
+
 std::vector<Eigen::Isometry3d> reflected(const PointCloud& source, const Eigen::Isometry3d& T) {
   const PrincipalAxes axes = principal_axes(source);
   std::vector<Eigen::Isometry3d> reflections;

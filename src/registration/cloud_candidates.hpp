@@ -14,6 +14,11 @@ namespace palpate::registration {
 std::vector<Eigen::Isometry3d> turned_about_axes(const geometry::PointCloud& source,
                                                  const Eigen::Isometry3d& T, int steps);
 
+/// Poses at which the principal axes of both clouds lie on one another, through their means or the
+/// middles of their boxes. If both are of all of one object, the right pose is near one of them.
+std::vector<Eigen::Isometry3d> with_axes_aligned(const geometry::PointCloud& source,
+                                                 const geometry::PointCloud& target);
+
 /// Reflections that a mirrored source may be when it was put at `T`: it, mirrored in each of its
 /// principal planes, through its mean and through the middle of its box. Their linear parts have
 /// determinant -1.

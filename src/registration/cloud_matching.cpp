@@ -92,6 +92,7 @@ std::optional<BetterFit> best_alternative(const PointCloud& source, const PointC
   };
   if (other.T_mirrored) append(unmirrored(source, *other.T_mirrored));
   const bool turns = options.registration.turns().all();
+  if (turns) append(with_axes_aligned(source, target));
   auto T = result.T_target_source;
   if (other.clear) {
     if (!T) return std::nullopt;  // a reflection is clear

@@ -314,11 +314,15 @@ void FalseAlarmTest::extend(Rates& rates, int poses) const {
   }
 }
 
+/// Without the poses that are the same as T; with a bound so wide that most are, with all.
 FalseAlarmTest::Powers FalseAlarmTest::powers_of(const Rates& rates, const Eigen::Isometry3d& T,
                                                  int power) const {
+  std::vector<bool> is_same;
+  for (const ProposedPose& pose : rates.poses) is_same.push_back(same(T, pose.T));
+  const bool most = 2 * std::ranges::count(is_same, true) > std::ssize(is_same);
   Powers powers;
   for (std::size_t i = 0; i < rates.poses.size(); ++i) {
-    if (same(T, rates.poses[i].T)) continue;
+    if (is_same[i] && !most) continue;
     const auto& counts = rates.counts[i];
     const double weight = rates.poses[i].weight;
     const double estimate = weight * power_of_mean(counts, rates.sources, power);

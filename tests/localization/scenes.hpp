@@ -12,6 +12,7 @@
 #include "palpate/core/random.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/localization/localizer.hpp"
+#include "palpate/localization/synthetic/grasp_scene.hpp"
 
 namespace palpate::localization {
 
@@ -50,22 +51,6 @@ inline Eigen::Isometry3d random_pose(RandomStream& random) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = random.rotation();
   T.translation() = 0.1 * random.normal3();
-  return T;
-}
-
-/// A stable pose drawn by its probability, any yaw, the place uniform in the support's square.
-inline Eigen::Isometry3d random_rest(const geometry::ObjectModel& model, const TableSupport& table,
-                                     RandomStream& random) {
-  const auto& stable_poses = model.object().stable_poses;
-  double left = random.uniform();
-  std::size_t s = 0;
-  while (s + 1 < stable_poses.size() && left >= stable_poses[s].probability)
-    left -= stable_poses[s++].probability;
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  const Eigen::Vector3d yaw(0, 0, random.uniform(-M_PI, M_PI));
-  T.linear() = exp_so3(yaw) * stable_poses[s].R_table_object;
-  T.translation() << random.uniform(-table.half_width, table.half_width),
-      random.uniform(-table.half_width, table.half_width), stable_poses[s].height;
   return T;
 }
 
@@ -132,7 +117,7 @@ inline Scene make_scene(const geometry::ObjectModel& model, const SceneOptions& 
     table.tilt_sigma = 0.03;
     table.height_sigma = 0.002;
     table.half_width = options.half_width;
-    scene.truth = table.T_frame_table * random_rest(model, table, random);
+    scene.truth = table.T_frame_table * random_rest(model, table.half_width, random);
     scene.evidence.table = table;
   } else {
     scene.truth = random_pose(random);

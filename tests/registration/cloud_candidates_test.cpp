@@ -66,6 +66,18 @@ TEST(CloudCandidates, HalfTurnsComeBackToThePose) {
   }
 }
 
+TEST(CloudCandidates, AlignedAxesIncludeThePose) {
+  const auto bracket = geometry::load_known_object("bracket").mesh;
+  RandomStream random(4, "axes");
+  const Eigen::Isometry3d truth = testing::random_pose(random);
+  const PointCloud source = sampled(bracket, 4000, random.fork("source"));
+  const PointCloud target =
+      geometry::transformed(truth, sampled(bracket, 1000, random.fork("target")));
+  const auto poses = with_axes_aligned(source, target);
+  EXPECT_TRUE(any_near(poses, truth));
+  for (const auto& T : poses) EXPECT_GT(T.linear().determinant(), 0);
+}
+
 TEST(CloudCandidates, TheBetterFitIsTheTruth) {
   RandomStream random(3, "better fit");
   PointCloud source = sampled(mug(), 4000, random.fork("source")),

@@ -61,9 +61,9 @@ Posterior localize(const geometry::ObjectModel& model, const Evidence& evidence,
                    RandomStream random, const LocalizerOptions& options = {});
 
 /// As localize, in a tenth of the time where the evidence settles the pose: the best proposals are
-/// refined by Levenberg-Marquardt and weighed by Laplace's approximation. Where several poses
-/// survive, one was found from too few starts to trust that none is missing, or a direction stays
-/// open, localize decides.
+/// refined by Levenberg-Marquardt and weighed by samples about them. Where several poses survive,
+/// one was found from too few starts to trust that none is missing, or a direction stays open,
+/// localize decides.
 Posterior localize_fast(const geometry::ObjectModel& model, const Evidence& evidence,
                         RandomStream random, const LocalizerOptions& options = {},
                         const FastOptions& fast = {});

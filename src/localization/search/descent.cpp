@@ -12,6 +12,9 @@ namespace {
 
 constexpr PoseTolerance kSamePose{1.5 * kDegree, 0.002};  // two descents that ended together
 constexpr std::size_t kMaxImaged = 4;                     // basins, the most probable
+constexpr double kNegligible = 1e-5;                      // share of a basin that is left out
+constexpr double kWiden = 2;  // of Laplace's covariances: the tails must be covered
+constexpr double kNuggetAngle = 0.005, kNuggetStep = 0.0003;  // rad, m
 
 /// The proposals of the least energy.
 std::vector<SearchPose> best_proposals(const Proposal& proposal, const Energy& energy,
@@ -121,6 +124,24 @@ std::vector<double> basin_shares(const std::vector<Basin>& basins) {
   }
   for (double& share : shares) share /= total;
   return shares;
+}
+
+PosePrior mixture_about(const std::vector<Basin>& basins) {
+  const std::vector<double> shares = basin_shares(basins);
+  Vector6d nugget;
+  nugget << Eigen::Vector3d::Constant(kNuggetAngle * kNuggetAngle),
+      Eigen::Vector3d::Constant(kNuggetStep * kNuggetStep);
+  PosePrior mixture;
+  double total = 0;
+  for (std::size_t i = 0; i < basins.size(); ++i) {
+    if (shares[i] < kNegligible) continue;
+    const Matrix6d covariance =
+        kWiden * covariance_of(basins[i].best) + Matrix6d(nugget.asDiagonal());
+    mixture.components.push_back({basins[i].pose.isometry(), std::sqrt(shares[i]), covariance});
+    total += mixture.components.back().weight;
+  }
+  for (auto& component : mixture.components) component.weight /= total;
+  return mixture;
 }
 
 }  // namespace palpate::localization

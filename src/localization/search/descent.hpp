@@ -45,4 +45,8 @@ std::vector<Basin> find_basins(const Proposal& proposal,
 /// Shares of the basins in the mass of all, by Laplace's approximation.
 std::vector<double> basin_shares(const std::vector<Basin>& basins);
 
+/// Normal distributions about the basins, from which to draw and weigh: wider than the basins, and
+/// the lesser ones drawn from more often than their shares, so that all of the mass is covered.
+PosePrior mixture_about(const std::vector<Basin>& basins);
+
 }  // namespace palpate::localization
