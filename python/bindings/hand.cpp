@@ -191,7 +191,18 @@ void bind_command(nb::module_& module) {
 }
 
 struct HandTrampoline final : PythonHand {
-  NB_TRAMPOLINE(PythonHand, 1);
+  NB_TRAMPOLINE(PythonHand, 2);
+
+  std::optional<HandReading> sense() override {
+    const WithGil acquire;
+    try {
+      NB_OVERRIDE(sense);
+    } catch (const nb::python_error& error) {
+      raised.keep(error);
+    } catch (const std::bad_cast&) {
+      throw std::runtime_error("sense() returned something else than a HandReading or None");
+    }
+  }
 
   HandReading step(const HandCommand& command) override {
     const WithGil acquire;
@@ -221,6 +232,10 @@ void bind_hand(nb::module_& module) {
            "A hand of this description, as the pick is to believe it.")
       .def_prop_ro("description", &DescribedHand::description, nb::rv_policy::reference_internal,
                    "As the pick believes it.")
+      .def(
+          "sense", &DescribedHand::sense, nb::call_guard<WithoutGil>(),
+          "May be written: what the hand senses before its first command, which it is not given if "
+          "it stands elsewhere than it is said to; None: that is sensed in step() alone.")
       .def("step", &DescribedHand::step, "command"_a, nb::call_guard<WithoutGil>(),
            "Apply a command for one tick and return what was sensed at its end.")
       .def("__repr__", [](const DescribedHand& self) {

@@ -31,7 +31,7 @@ struct Raised {
   [[noreturn]] void keep(const nanobind::python_error& error);
 };
 
-/// A hand whose step() is Python's. What that raises, or answers wrongly, is thrown as a
+/// A hand whose step() and sense() are Python's. What they raise, or answer wrongly, is thrown as a
 /// std::runtime_error, which the executor takes for a fault of the hand; the first exception is
 /// kept.
 struct PythonHand : DescribedHand {

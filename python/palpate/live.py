@@ -66,6 +66,10 @@ class WatchedHand(_Hand):
             raise ValueError(f"every must be at least 1, not {every}")
         self._hand, self._every, self._ticks = hand, every, 0
 
+    def sense(self):
+        """As the other hand's."""
+        return self._hand.sense()
+
     def step(self, command):
         """As the other hand's."""
         reading = self._hand.step(command)

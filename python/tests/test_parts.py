@@ -226,6 +226,29 @@ class PickWithParts(unittest.TestCase):
             result.fault_detail, f"the sensor '{self.first}': no new reading for 0.25 s"
         )
 
+    def test_a_hand_that_stands_elsewhere_is_not_commanded(self):
+        fingers, outer = self.fingers, self
+
+        class Sensing(Fingers):
+            def sense(self):
+                d = self.description
+                joints, torques = np.full(len(d.joints), 0.01), np.full(len(d.actuators), 0.01)
+                outer.arm.reading = palpate.ArmReading(
+                    palpate.MountPosition([0.4, 0, 0.34], [0] * 3), [0] * 3
+                )
+                return palpate.HandReading(0, joints, torques, [0] * 3, [0] * 3, [0] * 3,
+                                           [[] for _ in d.fingers])  # fmt: skip
+
+        self.fingers = Sensing(fingers.inner, self.arm, self.tip)
+        result = self.pick()
+        self.assertEqual(result.fault, "not_at_start", result.fault_detail)
+        self.assertIsNone(self.arm.target)
+        self.assertEqual(self.fingers.ticks, 0)
+        self.fingers.sense = lambda: 7
+        result = self.pick()
+        self.assertEqual(result.fault, "exception")
+        self.assertIn("sense() returned something else", result.fault_detail)
+
     def test_a_way_that_the_arm_cannot_go_is_not_begun(self):
         self.arm.check_path = lambda way: "the ceiling is in the way" if len(way) > 5 else ""
         result = self.pick()

@@ -9,7 +9,6 @@
 #include "bridge/wall_clock.hpp"
 #include "palpate/bridge/hand_peer.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/nearest_mount.hpp"
 #include "palpate/ros2/messages/std_msgs.hpp"
 #include "palpate/ros2/messages/trajectory_msgs.hpp"
@@ -19,25 +18,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kMatchPoll = 0.02;     // s after which it is seen again who is there
-constexpr double kElsewhere = 0.05;     // m of the mount from where it is said to stand
-constexpr double kBentOtherwise = 0.6;  // rad of an actuator, and of the mount's attitude
+constexpr double kMatchPoll = 0.02;  // s after which it is seen again who is there
 constexpr double kSettle = 0.25;  // s between first commands, and in which first readings come in
 
 constexpr std::size_t kNamedJoints = 4;  // of those that nobody reports, at most
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-bool is_elsewhere(const hand::Description& hand, const hand::HandReading& reading,
-                  const hand::HandCommand& command) {
-  const hand::ActuatorVector positions = hand::actuator_positions(hand, reading.joints);
-  const Eigen::Matrix3d turned =
-      command.mount.pose().linear().transpose() * reading.mount.pose().linear();
-  return (reading.mount.xyz - command.mount.xyz).norm() > kElsewhere ||
-         Eigen::AngleAxisd(turned).angle() > kBentOtherwise ||
-         (positions - command.positions).cwiseAbs().maxCoeff() > kBentOtherwise;
 }
 
 struct JointMessage {
@@ -62,7 +49,9 @@ struct RemoteHand::Impl {
   std::set<std::string> reported;  // joints of the hand, whatever else their messages lack
   std::uint64_t stamp = 0;         // of the last command
   std::uint64_t received = 0, repeats = 0;
-  bool silent = false;  // the last step has waited in vain
+  bool sensed = false;     // whether the hand reports unasked is known
+  bool commanded = false;  // the first command was answered
+  bool silent = false;     // the last step has waited in vain
 
   Impl(Participant& at, const hand::Description& described, const ros2::RobotInterface& named,
        const CommandTopics& topics, const RemoteHandOptions& chosen)
@@ -144,7 +133,7 @@ struct RemoteHand::Impl {
 
   /// Positions have no stamp, by which a command that comes twice were known: they are sent when
   /// there is somebody who hears them.
-  void send_first(const hand::HandCommand& command) {
+  void await_listeners() {
     const auto start = Clock::now();
     const auto waits = [&](bool heard, double limit) {
       return !heard && seconds_since(start) < limit;
@@ -154,13 +143,12 @@ struct RemoteHand::Impl {
       participant.wait(kMatchPoll);
       receive();
     }
-    send(command);
   }
 
-  /// Positions for as long as no reading has come: the first is where the hand is, and does no harm
+  /// Positions for as long as none was answered: the first is where the hand is, and does no harm
   /// if it comes twice.
   void send_again(const hand::HandCommand& command) {
-    if (!positions || !last) send(command);
+    if (!positions || !commanded) send(command);
   }
 
   void receive() {
@@ -226,18 +214,47 @@ struct RemoteHand::Impl {
 
   /// s that a step waits: a tick where the hand fell silent before, so that it is stopped in time.
   double patience_of_step() const {
-    if (!last) return kSettle;
     return silent ? std::min(options.timeout, hand::kTick) : options.timeout;
   }
 
-  /// The newest reading of those that still come. A hand that waits for commands reports where it
-  /// starts, too: taken for the answer to the first command it would put all answers one late.
+  /// The newest reading of those that still come. Of a hand that waits for commands one that comes
+  /// unasked, taken for the answer to the first command, would put all answers one late.
   hand::HandReading settle(hand::HandReading reading) {
     const auto start = Clock::now();
     for (double left = kSettle; left > 0; left = kSettle - seconds_since(start)) {
       if (auto newer = await(left)) reading = std::move(*newer);
     }
     return reading;
+  }
+
+  std::optional<hand::HandReading> sense() {
+    sensed = true;
+    auto reading = standing();
+    await_listeners();
+    if (reading) last = settle(*std::move(reading));
+    return last;
+  }
+
+  /// What is sent before the peers have found each other is lost: it is sent again.
+  hand::HandReading first_step(const hand::HandCommand& command) {
+    if (!sensed) sense();
+    const auto start = Clock::now();
+    stamp_next();
+    send(command);
+    auto reading = await(kSettle);
+    while (!reading && seconds_since(start) < options.connect) {
+      send_again(command);
+      reading = await(kSettle);
+    }
+    if (!reading) throw no_hand();
+    commanded = true;
+    return keep(last ? *std::move(reading) : settle(*std::move(reading)), command);
+  }
+
+  hand::HandReading keep(hand::HandReading reading, const hand::HandCommand& command) {
+    reading.mount = hand::nearest_mount(reading.mount.pose(), command.mount);
+    last = std::move(reading);
+    return *last;
   }
 };
 
@@ -250,36 +267,18 @@ RemoteHand::~RemoteHand() = default;
 
 hand::HandReading RemoteHand::step(const hand::HandCommand& command) {
   Impl& impl = *impl_;
-  const auto start = Clock::now();
-  if (impl.last) {
-    impl.stamp_next();
-    impl.send(command);
-  } else {
-    auto standing = impl.standing();
-    if (standing && is_elsewhere(impl.hand, *standing, command)) {  // it would jump
-      impl.last = std::move(*standing);
-      impl.last->mount = hand::nearest_mount(impl.last->mount.pose(), command.mount);
-      return *impl.last;
-    }
-    impl.stamp_next();
-    impl.send_first(command);
-  }
+  if (!impl.commanded) return impl.first_step(command);
+  impl.stamp_next();
+  impl.send(command);
   auto reading = impl.await(impl.patience_of_step());
-  while (!reading && !impl.last && seconds_since(start) < impl.options.connect) {
-    impl.send_again(command);  // what was sent before the peers found each other is lost
-    reading = impl.await(kSettle);
-  }
-  if (!reading && !impl.last) throw impl.no_hand();
   impl.silent = !reading;
-  if (!reading) {
-    ++impl.repeats;
-    impl.send_again(command);
-    return *impl.last;
-  }
-  impl.last = impl.last ? std::move(*reading) : impl.settle(std::move(*reading));
-  impl.last->mount = hand::nearest_mount(impl.last->mount.pose(), command.mount);
+  if (reading) return impl.keep(std::move(*reading), command);
+  ++impl.repeats;
+  impl.send_again(command);
   return *impl.last;
 }
+
+std::optional<hand::HandReading> RemoteHand::sense() { return impl_->sense(); }
 
 const ros2::StreamCounts& RemoteHand::counts() const { return impl_->stream.counts(); }
 std::uint64_t RemoteHand::messages() const {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <thread>
 #include <utility>
 
 #include "palpate/core/error.hpp"
@@ -38,22 +39,44 @@ HandReading AssembledHand::step(const HandCommand& command) {
   do {  // again as long as there is a part that has never answered
     if (!failure_) step_parts(command);
   } while (!failure_ && !stopped_ && !complete());
+  throw_failure();
+  return reading_;
+}
+
+std::optional<HandReading> AssembledHand::sense() {
+  std::optional<HandReading> fingers;
+  ask(fingers_part_, [&] { fingers = fingers_.sense(); });
+  if (fingers) read_parts();
+  while (fingers && !failure_ && !complete()) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(kTick));
+    read_parts();
+  }
+  throw_failure();
+  if (!fingers) return std::nullopt;
+  assemble(*std::move(fingers));
+  return reading_;
+}
+
+void AssembledHand::throw_failure() {
   if (const auto failure = std::exchange(failure_, nullptr); failure && !stopped_) {
     stopped_ = true;
     std::rethrow_exception(failure);
   }
-  return reading_;
 }
 
 void AssembledHand::step_parts(const HandCommand& command) {
   if (arm_) ask(arm_part_, [&] { arm_->move(command.mount); });
   HandReading reading = reading_;
   ask(fingers_part_, [&] { reading = fingers_.step(command); });
+  read_parts();
+  assemble(std::move(reading));
+}
+
+void AssembledHand::read_parts() {
   if (arm_) ask(arm_part_, [&] { read_arm(); });
   for (std::size_t i = 0; i < sensors_.size(); ++i) {
     ask(sensor_parts_[i], [&] { read_sensor(i); });
   }
-  assemble(std::move(reading));
 }
 
 /// Calls a part; what it throws, and that it took too long, is the failure that step() throws.

@@ -67,7 +67,16 @@ FaultyHand::FaultyHand(Hand& hand, const FaultSchedule& schedule, std::function<
       random_(schedule.seed, "hand fault") {}
 
 HandReading FaultyHand::step(const HandCommand& command) {
-  const HandReading reading = hand_.step(began_ && !ended_ ? obeyed(command) : command);
+  return spoilt(hand_.step(began_ && !ended_ ? obeyed(command) : command));
+}
+
+std::optional<HandReading> FaultyHand::sense() {
+  std::optional<HandReading> reading = hand_.sense();
+  if (reading) reading = spoilt(*reading);
+  return reading;
+}
+
+HandReading FaultyHand::spoilt(const HandReading& reading) {
   measure(reading);
   if (schedule_.fault == InjectedFault::none || reading.time < schedule_.from) {
     before_ = reading;

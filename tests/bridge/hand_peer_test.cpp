@@ -151,32 +151,32 @@ TEST_F(HandPeer, WhoDiesIsSilentAndIsTakenUpAgain) {
 }
 
 /// It reports where it is, whether it is commanded or not.
-TEST_F(HandPeer, AHandThatStandsElsewhereIsNotCommanded) {
+TEST_F(HandPeer, AHandIsSensedWithoutACommand) {
   ObedientHand hand(hand_);
   HandServer server(there_, hand, hand_, {}, {}, {.real_time = true});
   std::jthread thread([&](const std::stop_token& stop) { server.run(command(400), stop); });
   RemoteHand remote(here_, hand_, {}, {}, {.timeout = 20, .patience = 0.5, .connect = 60});
-  auto far = command(400);
-  far.mount.xyz.x() = 0;
-  far.positions.setZero();  // as its joints stand
-  EXPECT_NEAR(remote.step(far).mount.xyz.x(), 0.4, 1e-9);
+  const auto sensed = remote.sense();
+  ASSERT_TRUE(sensed);
+  EXPECT_NEAR(sensed->mount.xyz.x(), 0.4, 1e-9);
+  EXPECT_GT(remote.step(command(401)).time, sensed->time);
   thread.request_stop();
   thread.join();
-  for (const auto& commanded : hand.commands_) EXPECT_EQ(commanded.mount.xyz.x(), 0.4);
+  bool begun = false;
+  for (const auto& commanded : hand.commands_) {
+    begun = begun || commanded.mount.xyz.x() != 0.4;
+    EXPECT_EQ(commanded.mount.xyz.x(), begun ? 0.401 : 0.4);
+  }
 }
 
-/// The same place, another attitude.
-TEST_F(HandPeer, AHandThatIsTurnedIsNotCommanded) {
-  auto turned = command(0);
-  turned.mount.ypr = {0, 0, 2};
-  ObedientHand hand(hand_);
-  HandServer server(there_, hand, hand_, {}, {}, {.real_time = true});
-  std::jthread thread([&](const std::stop_token& stop) { server.run(turned, stop); });
-  RemoteHand remote(here_, hand_, {}, {}, {.timeout = 20, .patience = 0.5, .connect = 60});
-  EXPECT_NEAR(remote.step(command(0)).mount.ypr[2], 2, 1e-9);
-  thread.request_stop();
-  thread.join();
-  for (const auto& commanded : hand.commands_) EXPECT_EQ(commanded.mount.ypr[2], 2);
+/// What it reports of its start may be heard or not.
+TEST_F(HandPeer, AHandThatReportsOnlyWhenItIsCommandedNeedNotBeSensed) {
+  Served served(there_, hand_, command(0));
+  RemoteHand remote(here_, hand_, {}, {}, {.timeout = 20, .patience = 20, .connect = 60});
+  const auto start = remote.sense();
+  EXPECT_EQ(start.value_or(hand::resting_reading(hand_)).mount.xyz.x(), 0);
+  EXPECT_NEAR(remote.step(command(1)).mount.xyz.x(), 0.001, 1e-9);
+  EXPECT_EQ(served.hand.commands_.size(), 2U);
 }
 
 /// A robot that is not commanded, whose messages are not those of the hand.

@@ -100,6 +100,48 @@ TEST(AssembledHand, AnArmCarriesAndSensorsSense) {
   EXPECT_EQ(hand.check_path(way).feasible, 3u);
 }
 
+/// Fingers that can tell what they sense before they are commanded.
+struct SensingFingers : FakeHand {
+  std::optional<HandReading> sense() override {
+    HandReading reading = resting_reading(shadow_hand());
+    reading.time = 5;
+    return reading;
+  }
+};
+
+TEST(AssembledHand, AllPartsAreSensedBeforeTheFirstCommand) {
+  Parts parts;
+  SensingFingers fingers;
+  parts.arm.target.xyz.x() = 0.7;
+  parts.arm.silent = true;
+  parts.arm.on_read = [&] { parts.arm.silent = parts.arm.reads < 3; };
+  parts.tip.sensed = {contact_at(0.4)};
+  AssembledHand hand(fingers, &parts.arm, {{&parts.tip, 1, "tip"}});
+  const auto sensed = hand.sense();
+  ASSERT_TRUE(sensed);
+  EXPECT_EQ(sensed->time, 5);
+  EXPECT_EQ(sensed->mount.xyz.x(), 0.7);
+  EXPECT_EQ(sensed->contacts[1].size(), 1u);
+  EXPECT_EQ(parts.arm.moves, 0);
+  EXPECT_EQ(parts.arm.reads, 3);
+}
+
+TEST(AssembledHand, FingersThatCannotTellBeforeAreNotSensed) {
+  Parts parts;
+  AssembledHand hand(parts.fingers, &parts.arm, {});
+  EXPECT_FALSE(hand.sense());
+  EXPECT_EQ(parts.arm.moves + parts.arm.reads + parts.steps, 0);
+}
+
+TEST(AssembledHand, AnArmThatIsNotHeardIsNamedBeforeItIsCommanded) {
+  Parts parts;
+  SensingFingers fingers;
+  parts.arm.silent = true;
+  AssembledHand hand(fingers, &parts.arm, {});
+  EXPECT_THROW(hand.sense(), LateAnswer);
+  EXPECT_EQ(parts.arm.moves, 0);
+}
+
 TEST(AssembledHand, WithoutPartsItIsTheFingers) {
   Parts parts;
   AssembledHand hand(parts.fingers, nullptr, {});

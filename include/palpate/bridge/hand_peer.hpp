@@ -22,7 +22,7 @@ struct CommandTopics {
 struct RemoteHandOptions {
   double timeout = 0.25;   ///< s that a step waits for a reading newer than the last
   double patience = 0.01;  ///< s that it waits for the other parts of a reading with its joints
-  double connect = 10;     ///< s that the first step waits for the hand
+  double connect = 10;     ///< s that sense(), and the first step, wait for the hand
   bool positions = false;  ///< commands joints by the topic `positions`, else `joints`
 };
 
@@ -35,10 +35,9 @@ struct RemoteHandOptions {
 /// by its stamp, the wall clock's. Positions have none, and are not repeated once a reading has
 /// come.
 ///
-/// The first step commands nothing before somebody sends joint states, nor as long as messages come
-/// of which no reading can be made. A reading of a hand that stands elsewhere (0.05 m, 0.6 rad) is
-/// its answer then, and nothing is sent. A hand that reports nothing for 0.25 s is taken for one
-/// that reports only when it is commanded.
+/// Nothing is commanded before somebody sends joint states, nor as long as messages come of which
+/// no reading can be made. A hand that then reports nothing for 0.25 s is taken for one that
+/// reports only when it is commanded, and cannot sense() before.
 class RemoteHand : public hand::Hand {
  public:
   /// Keeps references to participant and description.
@@ -49,6 +48,8 @@ class RemoteHand : public hand::Hand {
 
   /// @throws BadInput if no reading has ever come within RemoteHandOptions::connect
   hand::HandReading step(const hand::HandCommand& command) override;
+  /// @throws as step()
+  std::optional<hand::HandReading> sense() override;
 
   const ros2::StreamCounts& counts() const;
   std::uint64_t messages() const;  ///< sent and received

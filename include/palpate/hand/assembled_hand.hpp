@@ -87,6 +87,9 @@ class AssembledHand : public Hand {
   /// @throws LateAnswer, or std::runtime_error for whatever a part throws; both name the part
   HandReading step(const HandCommand& command) override;
 
+  /// What all parts sense, if the fingers can tell. @throws as step()
+  std::optional<HandReading> sense() override;
+
   /// What the arm throws is thrown by the next step(), which then moves nothing.
   [[nodiscard]] PathFeasibility check_path(std::span<const MountPosition> way) const override;
   [[nodiscard]] MountLimits mount_limits() const override;
@@ -104,6 +107,8 @@ class AssembledHand : public Hand {
   void note_newer(Part& part, bool newer);
   void note_failure(const Part& part, std::string_view what) const;
   void step_parts(const HandCommand& command);
+  void read_parts();
+  void throw_failure();
   void read_arm();
   void read_sensor(std::size_t index);
   void assemble(HandReading&& reading);

@@ -77,6 +77,7 @@ class FaultyHand : public Hand {
 
   /// @throws BadInput when a fault sets in of a finger, joint or actuator that the hand has not
   HandReading step(const HandCommand& command) override;
+  std::optional<HandReading> sense() override;
   [[nodiscard]] PathFeasibility check_path(std::span<const MountPosition> way) const override {
     return hand_.check_path(way);
   }
@@ -90,6 +91,7 @@ class FaultyHand : public Hand {
   std::optional<double> began() const { return began_; }
 
  private:
+  HandReading spoilt(const HandReading& reading);
   void measure(const HandReading& reading);
   HandCommand obeyed(const HandCommand& command);
   void begin_with_nothing(const HandReading& reading);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -83,8 +84,12 @@ class Hand {
  public:
   virtual ~Hand() = default;
 
-  /// Applies the command for one tick of kTick and returns what was sensed at its end. The first
-  /// command is of where the hand is said to stand; where it stands elsewhere, it must not jump.
+  /// What the hand senses before any command. The executor asks once, at first, and commands
+  /// nothing to a hand that stands elsewhere than it is said to; may wait until the hand is heard.
+  /// @return nothing of a hand that senses in step() alone: its first command is given unseen
+  virtual std::optional<HandReading> sense() { return std::nullopt; }
+
+  /// Applies the command for one tick of kTick and returns what was sensed at its end.
   virtual HandReading step(const HandCommand& command) = 0;
 
   /// Whether the mount can be moved from where it is commanded to be along this path, one position

@@ -18,6 +18,12 @@ hand::HandReading BiotacHand::step(const hand::HandCommand& command) {
   return reading;
 }
 
+std::optional<hand::HandReading> BiotacHand::sense() {
+  std::optional<hand::HandReading> reading = hand_.sense();
+  if (reading) fingers_.infer_contacts(*reading);
+  return reading;
+}
+
 std::shared_ptr<const tactile::BiotacInverse> shipped_biotac_inverse() {
   const auto path = asset("models/biotac_inverse.model");
   return std::make_shared<const tactile::BiotacInverse>(

@@ -19,6 +19,7 @@ class BiotacHand : public hand::Hand {
 
   /// @throws BadInput if the hand's readings hold no channels
   hand::HandReading step(const hand::HandCommand& command) override;
+  std::optional<hand::HandReading> sense() override;
   [[nodiscard]] hand::PathFeasibility check_path(
       std::span<const hand::MountPosition> way) const override {
     return hand_.check_path(way);
