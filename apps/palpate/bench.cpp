@@ -126,6 +126,8 @@ void print_table(const nlohmann::json& report) {
 }
 
 int bench_contact(const BenchArguments& arguments) {
+  geometry::load_known_object(arguments.object);  // a bad one is named before results are lost
+  const auto output = claim_output(arguments.common, {"contact.json"});
   const nlohmann::json report = {
       {"object", arguments.object},
       {"seed", arguments.common.seed},
@@ -134,7 +136,6 @@ int bench_contact(const BenchArguments& arguments) {
       {"grasp",
        {{"exact", measure_grasp(arguments, true)}, {"parts", measure_grasp(arguments, false)}}}};
   if (!arguments.common.out.empty()) {
-    const auto output = claim_output(arguments.common, {"contact.json"});
     write_file_atomically(std::filesystem::path(arguments.common.out) / "contact.json",
                           json_text(report));
   }

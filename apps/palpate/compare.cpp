@@ -54,9 +54,11 @@ std::vector<std::string> names_in(const std::string& list) {
   std::istringstream words(list);
   for (std::string name; std::getline(words, name, ',');) {
     if (name.empty()) throw BadInput(fmt::format("an empty name in '{}'", list));
+    if (std::ranges::find(names, name) != names.end()) {
+      throw BadInput(fmt::format("{} is given twice, and is one training", name));
+    }
     names.push_back(name);
   }
-  if (names.empty()) throw BadInput("nothing to compare in ''");
   return names;
 }
 

@@ -10,9 +10,9 @@
 #include "common.hpp"
 #include "given_command.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/ros2/export_recording.hpp"
+#include "palpate/ros2/read_bag.hpp"
 #include "palpate/tasks/relocate/episode_recording.hpp"
 #include "terminal.hpp"
 
@@ -63,19 +63,10 @@ fs::path target_of(const ExportArguments& arguments) {
   return target;
 }
 
-bool is_known(const std::string& object) {
-  try {
-    geometry::load_known_object(object);
-    return true;
-  } catch (const BadInput&) {
-    return false;
-  }
-}
-
-/// Whether an MCAP of it can be replayed as it is: of the relocate task only the recording can, and
-/// an object from a mesh file has to be given.
-bool replays_as_mcap(const recording::Recording& recording) {
-  return !relocate::is_episode(recording) && is_known(recording.header.object.name) &&
+/// Whether the MCAP of it can be replayed as it is: of the relocate task only the recording can,
+/// and an object from a mesh file has to be given.
+bool replays_as_mcap(const recording::Recording& recording, const fs::path& mcap) {
+  return !relocate::is_episode(recording) && !ros2::bag_metadata(mcap).at("object").empty() &&
          std::ranges::any_of(recording.frames, [](const recording::Frame& frame) {
            return hand::touching_fingers(frame.reading) >= 2;
          });
@@ -117,7 +108,7 @@ int export_recording(const ExportArguments& arguments) {
     print_json(nlohmann::json{{"path", target.string()}, {"messages", messages}});
   } else {
     fmt::print("wrote {}: {} messages\n", target.string(), messages);
-    if (replays_as_mcap(recording))
+    if (replays_as_mcap(recording, target))
       fmt::print("Next: palpate replay {}\n", quoted(target.string()));
   }
   return kDone;

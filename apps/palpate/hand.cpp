@@ -9,6 +9,7 @@
 #include "given_command.hpp"
 #include "hand_option.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/file.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/simulation/hand/hand_store.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
@@ -119,33 +120,40 @@ std::string in_file_name(std::string name) {
   return name;
 }
 
-/// @return the pictures
-std::vector<fs::path> draw_postures(const hand::Description& hand, const fs::path& folder) {
-  fs::create_directories(folder);
-  const Notice notice("drawing postures", false);
-  std::vector<fs::path> files;
-  simulation::Renderer renderer(hand, geometry::load_known_object("box"), 640, 480);
-  const auto picture = [&](const std::string& name, const hand::ActuatorVector& positions,
-                           const hand::Attitude& attitude) {
-    simulation::DrawnState state;
-    state.T_world_object.translation() << 0, 0, -1;
-    state.joints = hand::joints_in_free_flexion(hand, positions);
-    state.mount.xyz.z() = 0.2;
-    state.mount.ypr << 0, attitude.pitch, attitude.roll;
-    simulation::Camera camera;
-    camera.lookat.z() = 0.18;
-    files.push_back(folder / (name + ".png"));
-    simulation::save_png(files.back(), renderer.render(state, camera));
-  };
+struct PosturePicture {
+  std::string file;  ///< its name
+  hand::ActuatorVector positions;
+  hand::Attitude attitude;
+};
+
+std::vector<PosturePicture> posture_pictures(const hand::Description& hand) {
   const hand::Postures& postures = hand.postures;
-  picture("open", postures.top.open, postures.top.attitudes.front());
-  picture("closed", postures.top.closed, postures.top.attitudes.front());
-  picture("flat", postures.flat.positions, postures.flat.attitude);
+  std::vector<PosturePicture> pictures = {
+      {"open.png", postures.top.open, postures.top.attitudes.front()},
+      {"closed.png", postures.top.closed, postures.top.attitudes.front()},
+      {"flat.png", postures.flat.positions, postures.flat.attitude}};
   for (const auto& pointing : postures.pointing) {
     const auto& finger = hand.fingers[static_cast<std::size_t>(pointing.finger)];
-    picture(in_file_name("pointing-" + finger.name), pointing.positions, pointing.attitude);
+    pictures.push_back(
+        {in_file_name("pointing-" + finger.name) + ".png", pointing.positions, pointing.attitude});
   }
-  return files;
+  return pictures;
+}
+
+void draw_postures(const hand::Description& hand, const fs::path& folder) {
+  make_writable_folder(folder);
+  const Notice notice("drawing postures", false);
+  simulation::Renderer renderer(hand, geometry::load_known_object("box"), 640, 480);
+  for (const PosturePicture& picture : posture_pictures(hand)) {
+    simulation::DrawnState state;
+    state.T_world_object.translation() << 0, 0, -1;
+    state.joints = hand::joints_in_free_flexion(hand, picture.positions);
+    state.mount.xyz.z() = 0.2;
+    state.mount.ypr << 0, picture.attitude.pitch, picture.attitude.roll;
+    simulation::Camera camera;
+    camera.lookat.z() = 0.18;
+    simulation::save_png(folder / picture.file, renderer.render(state, camera));
+  }
 }
 
 int check(const CheckArguments& arguments) {
@@ -166,13 +174,17 @@ int check(const CheckArguments& arguments) {
 
 int render(const CheckArguments& arguments) {
   const auto loaded = load_hand_with_progress(arguments.hand, arguments.common.quiet);
-  const auto files = draw_postures(loaded.hand, arguments.render);
+  std::vector<std::string> files, paths;
+  for (const PosturePicture& picture : posture_pictures(loaded.hand)) {
+    files.push_back(picture.file);
+    paths.push_back((fs::path(arguments.common.out) / picture.file).string());
+  }
+  const auto output = claim_output(arguments.common, files);
+  draw_postures(loaded.hand, arguments.common.out);
   if (arguments.common.json) {
-    auto paths = nlohmann::json::array();
-    for (const fs::path& file : files) paths.push_back(file.string());
     print_json(nlohmann::json{{"pictures", paths}});
   } else {
-    for (const fs::path& file : files) fmt::print("{}\n", file.string());
+    for (const std::string& path : paths) fmt::print("{}\n", path);
     print_next(arguments.common, "palpate hand check " + quoted(arguments.hand));
   }
   return kDone;
@@ -271,9 +283,10 @@ void add_postures_render(CLI::App& group, Command& chosen) {
   auto& command = *group.add_subcommand(
       "render", "Draw the postures that are derived for a hand: open, closed, flat, pointing");
   command.add_option("HAND", arguments->hand, kHandHelp)->required();
-  command.add_option("--out", arguments->render, "folder for the pictures")
+  command.add_option("--out", arguments->common.out, "folder for the pictures")
       ->option_text("DIR")
       ->required();
+  command.add_flag("--force", arguments->common.force, "overwrite the pictures that are in DIR");
   command.add_flag("--json", arguments->common.json, "print one JSON object");
   command.footer("Examples:\n  palpate hand render shadow --out out/shadow");
   command.callback([arguments, &chosen] { chosen = [arguments] { return render(*arguments); }; });

@@ -189,9 +189,9 @@ void print_pick(const PickArguments& arguments, const nlohmann::json& report,
   for (const auto& [name, done] : report["repairs"].items()) print_repairs(name, done);
   fmt::print("{}\n{}wrote {}: recording.h5, config.toml, report.json, replay.html\n",
              outcome_text(trial, names), place_text(trial), folder.string());
-  print_next(arguments.common,
-             fmt::format("open {}/replay.html in a browser, or palpate view {}", folder.string(),
-                         quoted((folder / "recording.h5").string())));
+  print_next(arguments.common, fmt::format("open {} in a browser, or palpate view {}",
+                                           quoted((folder / "replay.html").string()),
+                                           quoted((folder / "recording.h5").string())));
 }
 
 int pick(const PickArguments& arguments) {
@@ -203,10 +203,10 @@ int pick(const PickArguments& arguments) {
   const geometry::ObjectModel& object = objects.present();
   evaluation::check_trial(object.object(), options, common.seed);  // bad ones are named first
   const Interrupt interrupt;
-  const auto live = arguments.live.open(common.quiet);
   // First, so that nothing is left behind where the simulator refuses something.
   const auto header = header_of(arguments, options, object.object());
   notice.reset();
+  const auto live = arguments.live.open(common.quiet);
 
   const fs::path folder = output_folder(arguments);
   const OutputFolder output(folder, {"recording.h5", "config.toml", "report.json", "replay.html"},

@@ -73,7 +73,7 @@ json turn_json(const skills::InHandReorientation& turn) {
           {"plan_seconds", result.plan_seconds}};
 }
 
-json means_json(const skills::StrategyTaken& strategy) {
+json strategy_json(const skills::StrategyTaken& strategy) {
   json rounds = json::array();
   for (const auto& round : strategy.rounds) rounds.push_back(round_json(round));
   json regrasp = nullptr;
@@ -88,7 +88,7 @@ json means_json(const skills::StrategyTaken& strategy) {
 }
 
 /// One line: the strategy, why, and what the first plan found.
-std::string means_text(const skills::StrategyTaken& strategy) {
+std::string strategy_text(const skills::StrategyTaken& strategy) {
   std::string text =
       fmt::format("strategy: {} ({})", skills::to_string(strategy.strategy), strategy.reason);
   if (!strategy.rounds.empty()) {
@@ -127,10 +127,7 @@ void add_place_option(CLI::App& command, std::string& place) {
           "where to put the object down: 16 numbers of a pose of its centroid (or a file of them), "
           "x,y,yaw (m, rad; in the stable pose that it is found in), fixture (a slot), random, or "
           "stable_pose (another one than it starts in)")
-      ->option_text("POSE|fixture")
-      ->check(CLI::Validator(
-          [](const std::string& text) { return text.empty() ? "an empty text is no target" : ""; },
-          "", "target"));
+      ->option_text("POSE|fixture");
 }
 
 std::string place_text(const std::string& argument) {
@@ -154,9 +151,10 @@ std::string place_text(const evaluation::Trial& trial) {
           ? ""
           : fmt::format(" (expected to lean by {:.0f} deg, as it stood; {:.2f} to stand upright)",
                         kDegreesPerRadian * place.lean, place.upright);
-  return means_text(trial.strategy) + fmt::format("{}: {:.1f} deg, {:.1f} mm from the target{}\n",
-                                                  end, kDegreesPerRadian * metrics.error.rotation,
-                                                  1e3 * metrics.error.translation, expected);
+  return strategy_text(trial.strategy) +
+         fmt::format("{}: {:.1f} deg, {:.1f} mm from the target{}\n", end,
+                     kDegreesPerRadian * metrics.error.rotation, 1e3 * metrics.error.translation,
+                     expected);
 }
 
 json place_json(const evaluation::Trial& trial) {
@@ -166,7 +164,7 @@ json place_json(const evaluation::Trial& trial) {
   json placed = nullptr;
   if (place.T_world_placed) placed = to_json(*place.T_world_placed);
   return {{"status", skills::to_string(place.status)},
-          {"strategy", means_json(trial.strategy)},
+          {"strategy", strategy_json(trial.strategy)},
           {"certain", place.certain},
           {"certainty", place.held.certainty},
           {"lean_deg", kDegreesPerRadian * place.lean},

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "program.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -79,7 +81,7 @@ int run(std::span<const AddCommand> commands, int argc, char** argv) {
       "fault.");
   Command chosen;
   for (const AddCommand add : commands) add(program, chosen);
-  read_whole_numbers_as_decimal(program);
+  check_values(program);
   try {
     std::vector<std::string> arguments(argv + 1, argv + argc);
     if (!arguments.empty() && arguments.front() == "help") {
@@ -94,6 +96,15 @@ int run(std::span<const AddCommand> commands, int argc, char** argv) {
     return code == 0 ? kDone : kUsage;
   }
   return run_command(program, chosen);
+}
+
+/// Takes the places of standard streams that are closed: the next file that is opened would have
+/// one of them, and would be given what is printed. To print there fails, as on a closed one.
+void occupy_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) >= 0) continue;
+    static_cast<void>(::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY));
+  }
 }
 
 /// Not by fmt::print, which throws where stderr takes nothing.
@@ -121,6 +132,7 @@ int end_output(int code) {
 }  // namespace
 
 int run_program(std::span<const AddCommand> commands, int argc, char** argv) {
+  occupy_closed_streams();
   try {
     return end_output(run(commands, argc, argv));
   } catch (const BadInput& error) {

@@ -65,7 +65,10 @@ std::string size_error(const std::string& text) {
 
 fs::path output_folder(const RenderArguments& arguments) {
   if (!arguments.common.out.empty()) return arguments.common.out;
-  if (!arguments.recording.empty()) return fs::absolute(arguments.recording).parent_path();
+  if (!arguments.recording.empty()) {
+    const fs::path folder = fs::path(arguments.recording).parent_path();
+    return folder.empty() ? "." : folder;
+  }
   return fs::path("out") / fmt::format("render-{}-{}", fs::path(arguments.object).stem().string(),
                                        arguments.common.seed);
 }
@@ -129,6 +132,28 @@ simulation::Renderer renderer_of(const recording::Recording& recording,
   return {drawn_hand(recording), recording.header.object, width, height};
 }
 
+std::string phase_file(std::size_t number, const std::string& phase) {
+  return fmt::format("{}-{}.png", number, phase);
+}
+
+/// A file of moving pictures.
+std::string animation_file(std::string_view name, const RenderArguments& arguments) {
+  return fmt::format("{}.{}", name, arguments.gif ? "gif" : "png");
+}
+
+/// The names of all that is drawn.
+std::vector<std::string> picture_files(const recording::Recording& recording,
+                                       const RenderArguments& arguments) {
+  std::vector<std::string> names;
+  for (const recording::Event& event : recording.events) {
+    if (event.kind != recording::EventKind::end) continue;
+    names.push_back(phase_file(names.size() + 1, event.phase));
+  }
+  if (arguments.video) names.push_back(animation_file("video", arguments));
+  if (arguments.posterior) names.push_back(animation_file("posterior", arguments));
+  return names;
+}
+
 /// One picture at the end of every phase.
 std::vector<Picture> draw_phases(const recording::Recording& recording, const fs::path& folder,
                                  const RenderArguments& arguments) {
@@ -136,19 +161,12 @@ std::vector<Picture> draw_phases(const recording::Recording& recording, const fs
   std::vector<Picture> pictures;
   for (const recording::Event& event : recording.events) {
     if (event.kind != recording::EventKind::end) continue;
-    Picture picture{event.phase, event.time,
-                    folder / fmt::format("{}-{}.png", pictures.size() + 1, event.phase)};
+    Picture picture{event.phase, event.time, folder / phase_file(pictures.size() + 1, event.phase)};
     simulation::save_png(
         picture.file, draw(renderer, recording, frame_at(recording, event.time), arguments.camera));
     pictures.push_back(std::move(picture));
   }
   return pictures;
-}
-
-/// A file of moving pictures.
-fs::path animation(const fs::path& folder, std::string_view name,
-                   const RenderArguments& arguments) {
-  return folder / fmt::format("{}.{}", name, arguments.gif ? "gif" : "png");
 }
 
 /// The whole pick from one place, faster than it was.
@@ -163,7 +181,7 @@ Picture draw_video(const recording::Recording& recording, const fs::path& folder
        time += arguments.speed * kPictureTime) {
     images.push_back(renderer.render(state_of(recording, frame_at(recording, time)), camera));
   }
-  Picture video{"video", end, animation(folder, "video", arguments)};
+  Picture video{"video", end, folder / animation_file("video", arguments)};
   simulation::save_animation(video.file, images, kPictureTime);
   return video;
 }
@@ -178,7 +196,7 @@ Picture draw_posterior(const recording::Recording& recording, const fs::path& fo
   options.camera = arguments.camera;
   const auto images = film_posterior(recording, renderer, options);
   Picture film{"posterior", recording.frames.back().reading.time,
-               animation(folder, "posterior", arguments)};
+               folder / animation_file("posterior", arguments)};
   simulation::save_animation(film.file, images, kPictureTime);
   return film;
 }
@@ -223,6 +241,9 @@ int render(const RenderArguments& arguments) {
         given.string()));
   }
   make_writable_folder(folder);
+  // Beside their recording pictures are drawn again and again.
+  const auto output =
+      given.empty() ? nullptr : claim_output(arguments.common, picture_files(recording, arguments));
   std::optional<Notice> notice(std::in_place, "drawing", arguments.common.quiet);
   auto pictures = draw_phases(recording, folder, arguments);
   if (arguments.video) pictures.push_back(draw_video(recording, folder, arguments));
@@ -245,8 +266,11 @@ int render(const RenderArguments& arguments) {
 /// @throws CLI::Error for options that would have no effect
 void check_use(const CLI::App& command) {
   const auto given = [&command](const char* option) { return command.count(option) > 0; };
-  for (const char* const of_pick : {"--config", "--set", "--seed", "--force"}) {
+  for (const char* const of_pick : {"--config", "--set", "--seed"}) {
     if (given("recording") && given(of_pick)) throw CLI::ExcludesError("RECORDING", of_pick);
+  }
+  if (given("recording") && given("--force") && !given("--out")) {
+    throw CLI::RequiresError("--force of a RECORDING", "--out");
   }
   if (given("--video") || given("--posterior")) return;
   for (const char* const of_animation : {"--gif", "--speed"}) {
@@ -300,8 +324,8 @@ void add_render(CLI::App& program, Command& chosen) {
       ->capture_default_str();
   add_common_options(command, arguments->common, kConfig | kSeed | kOut);
   command.footer(
-      "Writes into DIR: by default where the recording is, else out/render-OBJECT-SEED. Needs no\n"
-      "screen; palpate doctor reports whether it can draw.\n\n"
+      "Writes into DIR: by default where the recording is, whose pictures are drawn again, else\n"
+      "out/render-OBJECT-SEED. Needs no screen; palpate doctor reports whether it can draw.\n\n"
       "Examples:\n"
       "  palpate render --object mug --seed 2\n"
       "  palpate render --object box --hand allegro\n"

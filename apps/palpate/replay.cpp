@@ -33,8 +33,9 @@ struct ReplayArguments {
 struct Replayed {
   estimation::HeldPoseEstimate estimate;
   std::uint64_t messages = 0;
-  std::string hint;                       ///< why there is no pose, where that is known
-  std::string object = {}, weighed = {};  ///< the pose is of this; of what the pick weighed instead
+  std::string hint;          ///< why there is no pose, where that is known
+  std::string weighed = {};  ///< what the pick weighed instead of the object of the pose
+  std::string about = {};    ///< a line for a person, before the estimate
 };
 
 /// The rest of the comment of the configuration that begins so; empty without.
@@ -141,18 +142,20 @@ Replayed replay_recording(const ReplayArguments& arguments) {
       estimation::PoseEstimator(object, options.pick_options().estimation, recording.header.seed)
           .held(hand, log, held),
       recording.frames.size(), held ? "" : end_of(recording)};
-  replayed.object = recording.header.object.name;
   replayed.weighed = weighed_by_pick(recording.header);
+  if (!replayed.weighed.empty()) {
+    replayed.about = fmt::format("of {} alone, which was simulated; the pick weighed {}\n",
+                                 recording.header.object.name, replayed.weighed);
+  }
   return replayed;
 }
 
 Replayed replay_bag(const ReplayArguments& arguments) {
   auto answer = estimate_from_bag(arguments.recording, arguments.bag, arguments.common);
-  if (!arguments.common.json) {
-    fmt::print("{} in the hand {}, {:.2f} s after the first of {} messages\n", answer.object,
-               answer.hand, answer.at, answer.messages);
-  }
-  return {std::move(answer.estimate), answer.messages, ""};
+  Replayed replayed{std::move(answer.estimate), answer.messages, ""};
+  replayed.about = fmt::format("{} in the hand {}, {:.2f} s after the first of {} messages\n",
+                               answer.object, answer.hand, answer.at, answer.messages);
+  return replayed;
 }
 
 /// A recording names its object, hand and instant itself.
@@ -170,10 +173,7 @@ int replay(const ReplayArguments& arguments) {
       ros2::is_bag(arguments.recording) ? replay_bag(arguments) : replay_recording(arguments);
   const auto& posterior = replayed.estimate.posterior;
   notice.reset();
-  if (!arguments.common.json && !replayed.weighed.empty()) {
-    fmt::print("of {} alone, which was simulated; the pick weighed {}\n", replayed.object,
-               replayed.weighed);
-  }
+  if (!arguments.common.json) fmt::print("{}", replayed.about);
   if (arguments.common.json) {
     auto report = posterior_json(posterior);
     report.update({{"path", arguments.recording},
@@ -220,8 +220,8 @@ void add_replay(CLI::App& program, Command& chosen) {
       "estimates the pose of the simulated object alone, and says so.\n\n"
       "From an MCAP file of ROS 2 messages it uses the joint states, the contacts of each finger\n"
       "and the transforms from the world to the mount (docs/ros2.md). A file that `palpate export\n"
-      "mcap` wrote names its object and hand; for others the pose is that of the last instant at\n"
-      "which two fingers touch, or of --at.\n\n"
+      "mcap` wrote names its hand and its object, unless that is of a mesh file; for others the\n"
+      "pose is that of the last instant at which two fingers touch, or of --at.\n\n"
       "Examples:\n"
       "  palpate replay out/pick-mug-2\n"
       "  palpate replay out/pick-mug-2/recording.h5 --set estimation.free_space=false --json\n"

@@ -241,7 +241,9 @@ void report_streams(const SenseArguments& arguments, const CLI::App& command,
     report["streams"][stream.name] = stream_json(summary);
     table += row(stream.name, summary) + "\n";
   }
-  const std::string contacts = contacts_csv(streams), hint = hint_at_units(streams);
+  const std::string contacts = contacts_csv(streams);
+  const std::string hint = streams.empty() ? "no finger touches anything in " + arguments.recording
+                                           : hint_at_units(streams);
   report["hint"] = hint;
   if (!hint.empty()) table += hint + "\n";
   if (!arguments.common.out.empty()) table += write_sensed(arguments, streams, contacts, report);

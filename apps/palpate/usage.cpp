@@ -150,6 +150,17 @@ std::string named_choices(const std::string& text) {
                      fmt::join(names, ", "), did_you_mean(match[2].str(), names));
 }
 
+/// "Could not convert: --distance = 1,5" as a sentence.
+std::string unconverted(const std::string& text, const CLI::App* command) {
+  static const std::regex kPattern("Could not convert: (\\S+) = (.*)");
+  std::smatch match;
+  if (!std::regex_match(text, match, kPattern)) return text;
+  const CLI::Option* const option = command->get_option_no_throw(match[1]);
+  const bool is_flag = option && option->get_expected_max() == 0;
+  return fmt::format("{}: '{}' is not {}", match[1].str(), match[2].str(),
+                     is_flag ? "true or false" : "a number");
+}
+
 /// "RECORDING: At Most 2 required but received 3" or "--seed: 1 required N:at least 0 missing" as a
 /// sentence.
 std::string counted(const std::string& text) {
@@ -182,6 +193,10 @@ std::string likely_option(const CLI::App* command, const std::string& argument) 
   return text;
 }
 
+bool has_positionals(const CLI::App* command) {
+  return !command->get_options([](const CLI::Option* o) { return !o->nonpositional(); }).empty();
+}
+
 /// What is wrong with the first argument that a command does not know.
 std::string unexpected(const CLI::App* command, const std::string& argument) {
   const std::string name = command_path(command);
@@ -194,9 +209,9 @@ std::string unexpected(const CLI::App* command, const std::string& argument) {
     return which + argument + likely_option(command, argument);
   }
   if (command_names(command).empty()) {
-    const bool has_object = command->get_option_no_throw("--object") != nullptr;
+    const bool is_object = command->get_option_no_throw("--object") && !has_positionals(command);
     return fmt::format("{} takes no argument '{}'{}", name, argument,
-                       has_object ? fmt::format("; did you mean --object {}?", argument) : "");
+                       is_object ? fmt::format("; did you mean --object {}?", argument) : "");
   }
   const std::string whole = name + " " + argument;
   const std::string likely = did_you_mean(argument, command_names(command));
@@ -276,12 +291,14 @@ CLI::Validator positive() {
           "above 0"};
 }
 
-void read_whole_numbers_as_decimal(CLI::App& program) {
+void check_values(CLI::App& program) {
   for (CLI::Option* const option : program.get_options()) {
     if (is_whole_number(option)) option->transform(without_leading_zeros);
+    option->transform(CLI::Validator(  // comes first
+        [](const std::string& text) { return text.empty() ? "the value is empty" : ""; }, ""));
   }
   for (CLI::App* const command : program.get_subcommands([](const CLI::App*) { return true; })) {
-    read_whole_numbers_as_decimal(*command);
+    check_values(*command);
   }
 }
 
@@ -307,13 +324,14 @@ std::string in_one_line(std::string text) {
 std::string usage_error(const CLI::App* program, const CLI::Error& error) {
   const CLI::App* const command = innermost(program);
   const auto unknown = program->remaining(true);
-  std::string what =
-      with_positionals_in_capitals(counted(named_choices(without_middle(error.what()))), command);
-  const bool needs_command =
-      dynamic_cast<const CLI::RequiredError*>(&error) && !command_names(command).empty();
-  if (needs_command || dynamic_cast<const CLI::ExtrasError*>(&error)) {
-    const auto option =
-        std::ranges::find_if(unknown, [](const auto& a) { return a.starts_with("-"); });
+  std::string what = with_positionals_in_capitals(
+      counted(unconverted(named_choices(without_middle(error.what())), command)), command);
+  const auto option =
+      std::ranges::find_if(unknown, [](const auto& a) { return a.starts_with("-"); });
+  // What seems to be missing may be there, misspelt.
+  const bool is_unread = dynamic_cast<const CLI::RequiredError*>(&error) &&
+                         (!command_names(command).empty() || option != unknown.end());
+  if (is_unread || dynamic_cast<const CLI::ExtrasError*>(&error)) {
     if (unknown.empty()) {
       what = "no command is given";
     } else {

@@ -27,9 +27,10 @@ CLI::Validator in_range(int min, int max);
 /// Whole numbers from a least one on.
 CLI::Validator at_least(std::int64_t min);
 
-/// Has all options of whole numbers, those of the commands included, read 010 as 10: CLI11 takes a
-/// leading 0 for the mark of octal numbers.
-void read_whole_numbers_as_decimal(CLI::App& program);
+/// Has all options, those of the commands included, refuse an empty value, as that of a shell's
+/// variable that is not set, and those of whole numbers read 010 as 10: CLI11 takes a leading 0 for
+/// the mark of octal numbers.
+void check_values(CLI::App& program);
 
 /// Any number above 0 that is finite.
 CLI::Validator positive();

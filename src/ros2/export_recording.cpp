@@ -3,16 +3,38 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <string>
 
+#include "palpate/core/error.hpp"
 #include "palpate/geometry/mesh/mesh.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/recording/estimate_record.hpp"
 #include "palpate/ros2/mcap_writer.hpp"
 #include "palpate/ros2/robot_messages.hpp"
 
 namespace palpate::ros2 {
 namespace {
+
+bool is_same(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) {
+  constexpr double kSame = 1e-6;  // m
+  return a.triangles == b.triangles &&
+         std::ranges::equal(a.vertices, b.vertices,
+                            [](const auto& p, const auto& q) { return (p - q).norm() < kSame; });
+}
+
+/// The name of an object that has no file. A file may have the name of another object.
+std::string name_without_file(const geometry::KnownObject& object) {
+  const bool built_in = std::ranges::count(geometry::built_in_objects(), object.name) > 0 ||
+                        object.name == "bunny" || object.name.starts_with("generated:");
+  if (!built_in) return "";  // and opens no file that a recording names
+  try {
+    return is_same(geometry::load_known_object(object.name).mesh, object.mesh) ? object.name : "";
+  } catch (const BadInput&) {
+    return "";
+  }
+}
 
 class Exporter {
  public:
@@ -31,7 +53,7 @@ class Exporter {
 
   void write_header() {
     const auto& header = recording_.header;
-    writer_.metadata(kMetadata, {{"object", header.object.name},
+    writer_.metadata(kMetadata, {{"object", name_without_file(header.object)},
                                  {"hand", header.hand.name},
                                  {"seed", std::to_string(header.seed)},
                                  {"program_version", header.program_version},

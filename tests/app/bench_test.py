@@ -31,6 +31,12 @@ class BenchContact(CliTest):
             self.assertGreater(report["grasp"][tips]["contacts"], 1)
         self.assertEqual(json.loads((self.folder / "bench/contact.json").read_text()), report)
 
+    def test_results_that_are_there_are_named_before_anything_is_measured(self):
+        (self.folder / "bench").mkdir()
+        self.write("bench/contact.json", "kept")
+        command = ["bench", "contact", "--quick", "--out", "bench"]
+        self.assert_refused(BAD_INPUT, command, "bench/contact.json is there already")
+
     def test_errors_are_one_line(self):
         self.write("speck.stl", box_stl(0.004, 0.004, 0.004))
         for arguments, code in (

@@ -57,6 +57,9 @@ class Hand(CliTest):
         for picture in pictures:
             data = (self.folder / picture).read_bytes()
             self.assertEqual(data[:4], b"\x89PNG")
+        again = ["hand", "render", "shadow-left", "--out", "pictures"]
+        self.assert_refused(BAD_INPUT, again, "pictures/open.png is there already")
+        self.assertEqual(self.run_json(*again, "--force")["pictures"], pictures)
 
     def test_a_name_in_a_hands_file_leads_no_picture_elsewhere(self):
         checks = {check["name"]: check["ok"] for check in self.run_json("doctor")["checks"]}

@@ -55,6 +55,17 @@ class Output(CliTest):
         self.run_program(*PICK, "--seed", kept, "--force")
         self.assertEqual(self.read("run/recording.h5"), whole)  # byte for byte
 
+    def test_closed_streams_take_no_results(self):
+        """A file that is opened then has the number of one of them."""
+        self.assertIn(self.run_program(*PICK, "--seed", "1").returncode, (DONE, NO_SOLUTION))
+        whole = self.read("run/recording.h5")
+        for closed in (">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"):
+            environment = dict(os.environ, PALPATE_CACHE=str(self.cache))
+            command = ["sh", "-c", f'exec "$@" {closed}', "sh", cli.PROGRAM, *PICK, "--seed", "1", "--force"]
+            done = subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, timeout=120)
+            self.assertEqual(done.returncode == BAD_INPUT, ">&-" in closed.split(), (closed, done.stderr))
+            self.assertEqual(self.read("run/recording.h5"), whole, closed)
+
     def test_an_evaluation_that_is_killed_goes_on_and_ends_alike(self):
         self.assertEqual(self.run_program(*EVAL, "--out", "whole").returncode, DONE)
         chance = random.Random(7)

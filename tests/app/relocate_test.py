@@ -211,6 +211,7 @@ class RelocateTest(cli.CliTest):
         done = self.run_program("compare", "a0.csv", "b0.csv,b1.csv")
         self.assertEqual(done.returncode, cli.BAD_INPUT)
         self.assertIn("1 trainings against 2", done.stderr)
+        self.assert_refused(cli.BAD_INPUT, ["compare", "a0.csv,a0.csv", "b0.csv,b1.csv"], "a0.csv is given twice")
 
     def test_returns_whose_squares_cannot_be_computed_are_refused(self):
         self.write_returns("a.csv", [1, 2, 3])
@@ -320,6 +321,8 @@ class RelocateTest(cli.CliTest):
         done = self.run_program("view", "r/episode-0.h5", "--out", "page")
         self.assertEqual(done.returncode, cli.DONE, done.stderr)
         self.assertTrue((self.folder / "page" / "replay.html").exists())
+        sensed = self.run_json("sense", "r/episode-0.h5")
+        self.assertEqual(sensed, {"streams": {}, "hint": "no finger touches anything in r/episode-0.h5"})
 
     def test_a_damaged_checkpoint_is_reported(self):
         self.assertEqual(self.train("a", 1).returncode, cli.DONE)

@@ -7,7 +7,7 @@ import re
 import subprocess
 
 import cli
-from cli import BAD_INPUT, DONE, USAGE, CliTest, main
+from cli import BAD_INPUT, DONE, QUICK, USAGE, CliTest, main
 
 COLOR = re.compile(r"\033\[\d+m")
 IDENTITY = "1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1"
@@ -73,6 +73,13 @@ class Terminal(CliTest):
         self.assertNotIn("running", self.on_terminal("rollout", "--episodes", "1", "--quiet"))
         done = self.run_program("rollout", "--episodes", "1")
         self.assertEqual((done.returncode, done.stderr), (DONE, ""))
+
+    def test_no_line_stands_behind_a_wait(self):
+        pick = "pick", "--object", "box", "--seed", "7", "--out", "run", *QUICK
+        self.assertRegex(self.on_terminal(*pick, "--live", "0"), r"(\n|\033\[K)live: http")
+        self.run_json("export", "mcap", "run")
+        text = self.on_terminal("replay", "run/recording.mcap")
+        self.assertRegex(text, r"\r\033\[Kbox in the hand shadow")
 
 
 if __name__ == "__main__":

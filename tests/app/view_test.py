@@ -150,6 +150,14 @@ class View(RecordingTest):
         done = self.run_program("export", "mcap", "run", "--out", "my box.mcap")
         self.assertIn("Next: palpate replay 'my box.mcap'\n", done.stdout)
         self.run_json("replay", "my box.mcap")
+        # A mesh file has to be given, also one that has the name of a built-in object.
+        self.write("box.stl", cli.box_stl(0.06, 0.05, 0.09))
+        self.run_json("pick", "--object", "box.stl", "--seed", "7", "--out", "other", *QUICK)
+        done = self.run_program("export", "mcap", "other")
+        self.assertEqual((done.returncode, "Next" in done.stdout), (DONE, False), done.stderr)
+        self.assert_refused(BAD_INPUT, ["replay", "other/recording.mcap"], "does not say what was touched")
+        self.assertIn(self.run_program("replay", "other/recording.mcap", "--object", "box.stl").returncode,
+                      (DONE, NO_SOLUTION))  # fmt: skip
         # Of an episode of the relocate task only the recording can be replayed.
         self.run_json("rollout", "relocate-robust", "--episodes", "1", "--set", "episode.horizon=5",
                       "--record", "1", "--out", "rollout")  # fmt: skip
@@ -178,6 +186,20 @@ class Render(RecordingTest):
             header = (self.folder / picture["file"]).read_bytes()[:24]
             self.assertEqual(header[:8], b"\x89PNG\r\n\x1a\n")
             self.assertEqual(struct.unpack(">II", header[16:]), (64, 48))
+
+    def test_pictures_in_a_folder_of_their_own_are_overwritten_by_force_alone(self):
+        checks = {check["name"]: check["ok"] for check in self.run_json("doctor")["checks"]}
+        if not checks["rendering"]:
+            self.skipTest("neither EGL nor OSMesa works here; see palpate doctor")
+        recording = self.record()
+        draw = ["render", recording, "--size", "64x48"]
+        files = self.run_json(*draw, "--out", "pictures")["files"]
+        self.assert_refused(BAD_INPUT, [*draw, "--out", "pictures"], files[0]["file"], "--force")
+        self.assertEqual(self.run_json(*draw, "--out", "pictures", "--force")["files"], files)
+        for _ in range(2):  # beside the recording they are drawn again
+            beside = self.run_json(*draw)["files"]
+        self.assertEqual([one["file"] for one in beside],
+                         [one["file"].replace("pictures", "run") for one in files])  # fmt: skip
 
     def test_draws_a_pick_by_channels(self):
         checks = {check["name"]: check["ok"] for check in self.run_json("doctor")["checks"]}

@@ -9,7 +9,8 @@
 
 namespace palpate::ros2 {
 
-/// Name of the metadata of an exported file: object, hand, seed, program_version, config_toml.
+/// Name of the metadata of an exported file: object (empty for one from a mesh file), hand, seed,
+/// program_version, config_toml.
 inline constexpr const char* kMetadata = "palpate";
 
 /// Writes a recording as an MCAP file of ROS 2: what the hand reported, as messages_of() has it,
