@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "experiment.hpp"
-#include "grasping/force_closure.hpp"
 #include "palpate/core/random.hpp"
 #include "palpate/core/statistics.hpp"
 #include "palpate/geometry/objects/known_object.hpp"
+#include "palpate/grasping/force_closure.hpp"
 #include "palpate/plotting/plot.hpp"
 #include "palpate/simulation/world/open_loop_grasp.hpp"
 

@@ -125,10 +125,10 @@ void run(skills::Executor& robot, const TrialOptions& options,
     return;
   }
   const auto fixture = evaluation::place_fixture(object.object(), options.place, target);
-  skills::PickAndPlaceResult course = skills::pick_and_place(
+  skills::PickAndPlaceResult outcome = skills::pick_and_place(
       robot, {object, *target, fixture, pick_options, options.place_options(), seed});
-  result.picked = std::move(course.picked);
-  if (course.place) result.place = place_result(*course.place, course.strategy, std::nullopt);
+  result.picked = std::move(outcome.picked);
+  if (outcome.place) result.place = place_result(*outcome.place, outcome.strategy, std::nullopt);
 }
 
 /// In the caller's thread: what drives a robot may belong to it.

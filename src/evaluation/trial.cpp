@@ -19,9 +19,6 @@
 namespace palpate::evaluation {
 namespace {
 
-/// Of the believed friction, that forces count on where the object may still move in the hand.
-constexpr double kPlannedShare = 0.8;
-
 constexpr double kPush = 0.01, kPushSeconds = 0.1;  // m, s, of an object that is pushed aside
 
 /// Farthest that any of an object is from its centroid, m.
@@ -114,8 +111,7 @@ TrialOptions TrialOptions::ideal() {
 
 skills::PickOptions TrialOptions::pick_options() const {
   skills::PickOptions options = pick;
-  options.grasp.friction = options.palpation.friction = friction;
-  options.grasp.plan.friction = kPlannedShare * friction;
+  options.set_friction(friction);
   options.estimation.place = {start.x, start.y};
   options.estimation.resting_half_width =
       std::max(options.estimation.resting_half_width, start.uncertainty + kPlaceMargin);
@@ -131,8 +127,7 @@ skills::PickOptions TrialOptions::pick_options() const {
 
 skills::PlaceOptions TrialOptions::place_options() const {
   skills::PlaceOptions options = place;
-  options.fingers.reorient.friction = friction;
-  options.transport.friction = options.regrasp.plan.grasp.friction = kPlannedShare * friction;
+  options.set_friction(friction);
   return options;
 }
 
@@ -145,7 +140,7 @@ simulation::ForwardModelOptions TrialOptions::forward_model_options() const {
 std::optional<skills::PlaceTarget> place_target(const geometry::KnownObject& object,
                                                 const skills::PlaceOptions& options,
                                                 std::uint64_t seed, std::size_t start_stable_pose) {
-  skills::place_strategy(options);
+  skills::place_strategy(options.strategy);
   if (options.stable_pose >= 0 && options.target != "stable_pose") {
     throw BadInput(
         fmt::format("place.stable_pose = {} is of the target \"stable_pose\", not of {:?}",
@@ -281,12 +276,12 @@ class SimulatedTrial {
       trial_.result = skills::pick(robot, candidates_, pick_options_, seed_, observers);
       return;
     }
-    skills::PickAndPlaceResult course = skills::pick_and_place(
+    skills::PickAndPlaceResult outcome = skills::pick_and_place(
         robot, {object_, *target_, fixture_, pick_options_, options_.place_options(), seed_},
         observers);
-    trial_.result = std::move(course.picked);
-    trial_.place = std::move(course.place);
-    trial_.strategy = std::move(course.strategy);
+    trial_.result = std::move(outcome.picked);
+    trial_.place = std::move(outcome.place);
+    trial_.strategy = std::move(outcome.strategy);
   }
 
   void finish(const skills::Executor& robot) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "grasping/force_closure.hpp"
+#include "palpate/grasping/force_closure.hpp"
 
 #include <fmt/format.h>
 

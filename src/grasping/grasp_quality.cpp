@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "geometry/mesh/quickhull.hpp"
-#include "grasping/force_closure.hpp"
 #include "grasping/wrench_space.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/grasping/force_closure.hpp"
 
 namespace palpate::grasping {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "grasping/grasp_matrix.hpp"
+#include "palpate/grasping/grasp_matrix.hpp"
 
 namespace palpate::grasping {
 

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -11,24 +10,20 @@
 #include <memory>
 #include <mutex>
 #include <numbers>
-#include <span>
 #include <utility>
 
 #include "palpate/core/error.hpp"
 #include "palpate/hand/assembled_hand.hpp"
 #include "palpate/hand/nearest_mount.hpp"
-#include "skills/command_gate.hpp"
-#include "skills/reading_gate.hpp"
-#include "skills/safe_posture.hpp"
-#include "skills/unsensed_force.hpp"
-#include "skills/watchdog.hpp"
+#include "skills/safety/command_gate.hpp"
+#include "skills/safety/reading_gate.hpp"
+#include "skills/safety/safe_posture.hpp"
+#include "skills/safety/unsensed_force.hpp"
+#include "skills/safety/watchdog.hpp"
 
 namespace palpate::skills {
 namespace {
 
-constexpr int kSteadyReadings = 10, kSteadyWindows = 10;  // that are averaged; at most
-constexpr double kSteadyLoad = 0.15;                      // N between two windows
-constexpr double kMaxDrift = 3;   // N that a sensor's error may have changed by; more is a load
 constexpr int kEasingTicks = 30;  // in which a stopped hand gives way
 
 /// Whether an attitude is stated in other turns than the command's: arms give angles from -pi to
@@ -89,6 +84,7 @@ Executor::Executor(hand::Hand& hand, const hand::Description& model, const hand:
   const double limit = safety_.options.watchdog;
   if (limit > 0) watchdog_ = std::make_unique<Watchdog>(safety_.stop_drives, limit);
   try {
+    look();
     tick();
   } catch (const SafetyStop&) {  // every motion will say so
     if (log_.readings.empty()) log_.readings.push_back(at_rest(model, start));
@@ -118,26 +114,16 @@ void Executor::set_table(const Eigen::Isometry3d& T_world_table) {
   log_.T_world_table = Eigen::Isometry3d(T_world_table.linear());
 }
 
-Eigen::Vector3d Executor::steady_load() {
-  Eigen::Vector3d before = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-  for (int i = 0; i < kSteadyWindows; ++i) {
-    wait(kSteadyReadings * hand::kTick);
-    Eigen::Vector3d now = Eigen::Vector3d::Zero();
-    const auto count = std::min<std::size_t>(kSteadyReadings, log_.readings.size());
-    for (const auto& reading : std::span(log_.readings).last(count)) {
-      now += reading.mount_force / static_cast<double>(count);
-    }
-    const bool steady = (now - before).norm() < kSteadyLoad;
-    before = now;
-    if (steady) break;
+/// What the hand senses before it is commanded anything, if it can tell.
+void Executor::look() {
+  for (bool known = false; !known;) {
+    if (safety_.stop.stop_requested()) stop_for(Fault::stop_requested, "a stop was requested");
+    std::optional<hand::HandReading> sensed;
+    hear([&] { sensed = hand_.sense(); });
+    if (!sensed) return;
+    answered_ = std::chrono::steady_clock::now();
+    known = take(in_table_world(*std::move(sensed)));
   }
-  return before;
-}
-
-void Executor::tare() {
-  const Eigen::Vector3d load = steady_load();
-  if (time() >= deadline_ || load.norm() > kMaxDrift) return;
-  load_error_.bias += reading().mount.pose().linear().transpose() * load;
 }
 
 /// One step of the hand, in the world whose z = 0 is the table.
@@ -146,15 +132,19 @@ hand::HandReading Executor::step() {
   in_world.mount.xyz.z() += table_height_;
   const auto begin = std::chrono::steady_clock::now();
   pause_ = answered_ ? std::chrono::duration<double>(begin - *answered_).count() : 0;
+  commanded_ = true;
   hand::HandReading reading = hand_.step(in_world);
   answered_ = std::chrono::steady_clock::now();
-  if (is_turned_round(reading.mount, in_world.mount)) {
-    reading.mount = hand::nearest_mount(reading.mount.pose(), in_world.mount);
-  }
+  return in_table_world(std::move(reading));
+}
+
+/// A reading in the world whose z = 0 is the table, less what is known of the load's error.
+hand::HandReading Executor::in_table_world(hand::HandReading reading) {
   reading.mount.xyz.z() -= table_height_;
-  sensed_load_ = reading.mount_force;
-  reading.mount_force -= reading.mount.pose().linear() * load_error_.bias;
-  reading.mount_force.z() -= load_error_.weight;
+  if (is_turned_round(reading.mount, command_.mount)) {
+    reading.mount = hand::nearest_mount(reading.mount.pose(), command_.mount);
+  }
+  load_sensor_.correct(reading);
   return reading;
 }
 
@@ -188,30 +178,50 @@ void Executor::tick() {
 
 /// Fingers that something holds up without their sensing it press no further.
 void Executor::limit_unsensed_force() {
-  for (const int finger : unsensed_->limit(command_, commands_->last(), reading())) suspect(finger);
+  for (const int finger : unsensed_->limit(command_, commands_->last(), reading())) {
+    trust_.suspect(finger);
+  }
 }
 
 /// One step of the hand. @return whether it gave a reading that can be used
 bool Executor::read_once() {
   hand::HandReading reading;
-  try {
+  hear([&] {
     const Watchdog::Guard guard(watchdog_.get());
     reading = step();
+  });
+  if (watchdog_ && watchdog_->fired()) {
+    stop_for(Fault::silent, fmt::format("a step took longer than {} s", safety_.options.watchdog));
+  }
+  return take(std::move(reading));
+}
+
+/// Asks the hand for a reading. What it throws stops the robot.
+void Executor::hear(const std::function<void()>& ask) {
+  try {
+    ask();
   } catch (const hand::LateAnswer& late) {
     stop_for(Fault::silent, late.what());
   } catch (const std::exception& error) {
     stop_for(Fault::exception, fmt::format("the hand: {}", error.what()));
+  } catch (...) {
+    stop_for(Fault::exception, "the hand: an unknown exception");
   }
-  if (watchdog_ && watchdog_->fired()) {
-    stop_for(Fault::silent, fmt::format("a step took longer than {} s", safety_.options.watchdog));
-  }
-  ReadingCheck check = readings_->check(reading, {sensed_load_, pause_}, command_);
+}
+
+/// Keeps a reading if it can be used. @return whether it can
+bool Executor::take(hand::HandReading reading) {
+  ReadingCheck check = check_reading(reading);
   if (check.usable) keep(std::move(reading));
   if (check.fault == Fault::touch_lost && !survived_.empty()) {
     check.detail += ": " + survived_.back().detail;
   }
   if (check.fault != Fault::none) stop_for(check.fault, check.detail);
   return check.usable;
+}
+
+ReadingCheck Executor::check_reading(hand::HandReading& reading) {
+  return readings_->check(reading, {load_sensor_.sensed(), pause_, commanded_, trust_}, command_);
 }
 
 void Executor::keep(hand::HandReading reading) {
@@ -235,7 +245,7 @@ void Executor::make_safe(Fault fault, std::string detail) noexcept {
   grip_.reset();
   const bool elsewhere = fault == Fault::not_at_start && !log_.readings.empty();
   command_ = elsewhere ? where_it_is() : commands_->last();
-  for (int i = 0; i < kEasingTicks && !log_.readings.empty(); ++i) {
+  for (int i = 0; i < kEasingTicks && commanded_ && !log_.readings.empty(); ++i) {
     try {
       ease();
     } catch (...) {  // of the hand, or of who looks on: the next step may succeed
@@ -266,27 +276,14 @@ void Executor::ease() {
     const Watchdog::Guard guard(watchdog_.get());
     now = step();
   }
-  if (readings_->check(now, {sensed_load_, pause_}, command_).usable) keep(std::move(now));
+  if (check_reading(now).usable) keep(std::move(now));
 }
 
 void Executor::distrust(int finger, std::string detail) {
-  if (trusted(finger)) survived_.push_back({Fault::touch_lost, std::move(detail), time()});
-  readings_->distrust(finger);
+  if (trust_.trusted(finger)) survived_.push_back({Fault::touch_lost, std::move(detail), time()});
+  trust_.distrust(finger);
 }
 
-bool Executor::suspected(int finger) const {
-  return suspected_[static_cast<std::size_t>(finger)] && trusted(finger) && !cleared(finger);
-}
-
-std::vector<int> Executor::suspects() const {
-  std::vector<int> fingers;
-  for (int finger = 0; finger < model_.finger_count(); ++finger) {
-    if (suspected(finger)) fingers.push_back(finger);
-  }
-  return fingers;
-}
-
-bool Executor::trusted(int finger) const { return readings_->trusted(finger); }
 std::size_t Executor::limited_commands() const { return commands_->changed(); }
 
 }  // namespace palpate::skills

@@ -10,8 +10,8 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/skills/executor.hpp"
-#include "skills/command_gate.hpp"
-#include "skills/stretched_way.hpp"
+#include "skills/motion/stretched_way.hpp"
+#include "skills/safety/command_gate.hpp"
 
 namespace palpate::skills {
 namespace {

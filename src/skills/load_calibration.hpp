@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "palpate/skills/executor.hpp"
+#include "palpate/skills/load_sensor.hpp"
 
 namespace palpate::skills {
 

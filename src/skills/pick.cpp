@@ -13,15 +13,14 @@
 #include "palpate/grasping/holdable.hpp"
 #include "palpate/skills/explore/explore_phase.hpp"
 #include "palpate/skills/grasp/track_phase.hpp"
-#include "palpate/skills/place/place_phase.hpp"
 #include "palpate/skills/probe/palpation_phase.hpp"
 #include "skills/explore/extents.hpp"
 #include "skills/explore/touch_test_phase.hpp"
 #include "skills/grasp/pose_phase.hpp"
-#include "skills/grasp/release_phase.hpp"
 #include "skills/phase_sequence.hpp"
 #include "skills/probe/hidden_spin.hpp"
 #include "skills/probe/touch_table_phase.hpp"
+#include "skills/release/release_phase.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -185,7 +184,7 @@ class Picking {
       result_.failed_phase.clear();
       result_.estimate = state_.estimate;
     } else if (estimation::mean_load(robot_.log()) > kLeft * weight() ||
-               !robot_.suspects().empty()) {
+               !robot_.trust().suspects().empty()) {
       release();       // nothing is left hanging
       only_doubted();  // an insensitive finger is named
     }
@@ -217,10 +216,10 @@ class Picking {
   /// Tests the fingers that are in doubt. @return whether all sense contact: the attempt, which the
   /// doubt ended, does not count
   bool only_doubted() {
-    if (robot_.suspects().empty()) return false;
+    if (robot_.trust().suspects().empty()) return false;
     const std::size_t before = robot_.survived().size();
     sequence_.run(TouchTestPhase(options_.calibrate));
-    return robot_.suspects().empty() && robot_.survived().size() == before;
+    return robot_.trust().suspects().empty() && robot_.survived().size() == before;
   }
 
   /// Touches, holds and lifts the object, from other sides too while that is informative about its
@@ -308,7 +307,7 @@ class Picking {
     if (log.at(estimation::TouchEvent::held)) {
       PlaceGoal goal;
       goal.mount = log.readings[*log.at(estimation::TouchEvent::closed)].mount;
-      ok = sequence_.run(PlacePhase(lower, goal, 0, "put-down"));
+      ok = sequence_.run(SetDownPhase(lower, goal, 0, "put-down"));
     } else {
       ok = sequence_.run(OpenPhase(lower));
     }

@@ -3,47 +3,18 @@
 
 #include <gtest/gtest.h>
 
-#include "hand/descriptions.hpp"
-#include "palpate/core/assets.hpp"
+#include "estimation/box_in_hand.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
 
 namespace palpate::estimation {
 namespace {
 
-localization::Posterior at(const Eigen::Vector3d& place) {
-  localization::Mode mode;
-  mode.T_frame_object.translation() = place;
-  mode.weight = 1;
-  mode.covariance = 1e-6 * Matrix6d::Identity();
-  return {localization::PoseStatus::certain, {mode}, {}, 0};
-}
-
-class OnlineTrackerTest : public testing::Test {
+class OnlineTrackerTest : public BoxInHandTest {
  protected:
-  OnlineTrackerTest()
-      : object(geometry::load_known_object("box")),
-        hand(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml"))) {
-    options.estimate = false;
-  }
+  OnlineTrackerTest() { options.estimate = false; }
 
-  /// A reading with the mount at that place, touching or not.
-  hand::HandReading reading(const Eigen::Vector3d& mount, bool touches) {
-    hand::HandReading result = hand::resting_reading();
-    result.time = hand::kTick * tick++;
-    result.mount.xyz = mount;
-    if (touches) {
-      const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
-      result.contacts[1].push_back({.p = 0.02 * z, .n = -z, .f = 2 * z});
-    }
-    return result;
-  }
-
-  geometry::ObjectModel object;
-  hand::Description hand;
   OnlineTrackerOptions options;
-  int tick = 0;
 };
 
 TEST_F(OnlineTrackerTest, StaysUntilTheHandLiftsWhatItTouches) {

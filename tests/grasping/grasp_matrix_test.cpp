@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "grasping/grasp_matrix.hpp"
+#include "palpate/grasping/grasp_matrix.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "grasping/grasp_matrix.hpp"
 #include "palpate/core/random.hpp"
+#include "palpate/grasping/grasp_matrix.hpp"
 
 namespace palpate::grasping {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "grasping/taxel_contact.hpp"
+#include "palpate/grasping/taxel_contact.hpp"
 
 #include <gtest/gtest.h>
 

@@ -21,8 +21,6 @@ INCLUDE = re.compile(r'^\s*#include\s+[<"]([^>"]+)[>"]', re.MULTILINE)
 LEFT = {
     ("*", "simulation/world/mujoco_handles.hpp"):
         "owners of MuJoCo's C structs, which includes nothing of Palpate and belongs to no folder",
-    ("skills/pick.hpp", "skills/place/place_phase.hpp"):
-        "a pick, too, sets an object down to grasp it again, and has these phases' options",
     ("tasks/relocate/policies", "tasks/relocate/training/structured_search.hpp"):
         "the observer of velocities is trained on the rollouts of the search",
 }  # fmt: skip

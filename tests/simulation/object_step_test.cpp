@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "grasping/force_closure.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/geometry/query/mesh_query.hpp"
+#include "palpate/grasping/force_closure.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/world/open_loop_grasp.hpp"
 #include "palpate/simulation/world/world.hpp"

@@ -93,7 +93,7 @@ TEST(CalibratePhase, FindsTheTableTheMountAndTheLoadOfAnUnknownRobot) {
   EXPECT_LT(apart(scene.robot.log().T_world_table, scene.world.truth().T_world_table), 0.006)
       << "a third of the largest tilt that is drawn";
   EXPECT_LT(tip_error(scene.robot.model(), drawn_hand()), 0.0015);
-  EXPECT_LT(scene.robot.steady_load().norm(), 0.3);
+  EXPECT_LT(steady_load(scene.robot).norm(), 0.3);
 }
 
 TEST(CalibratePhase, TheLogAloneGivesTheSameHand) {

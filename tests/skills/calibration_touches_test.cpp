@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "skills/lowest_part.hpp"
+#include "skills/motion/lowest_part.hpp"
 #include "skills/soft_shadow.hpp"
 
 namespace palpate::skills {

@@ -156,11 +156,11 @@ TEST(Executor, WhatPressesOnTheHandIsNotTakenForDrift) {
   double load = 1;
   hand::FakeHand hand([&](hand::HandReading& reading) { reading.mount_force.z() = load; });
   Executor robot(hand, hand::shadow_hand(), hand::resting_command());
-  robot.tare();
+  tare(robot);
   robot.wait(0.05);
   EXPECT_NEAR(robot.reading().mount_force.z(), 0, 1e-6);
   load = 20;
-  robot.tare();
+  tare(robot);
   robot.wait(0.05);
   EXPECT_NEAR(robot.reading().mount_force.z(), 19, 1e-6);
 }

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "palpate/skills/place/place_goal.hpp"
-#include "skills/mount_near.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -64,19 +61,6 @@ TEST(HeldObject, WithoutAPoseOrAnEventThereIsNone) {
   posterior.modes.emplace_back().weight = 1;
   EXPECT_FALSE(held_object(box, posterior, lifted_log({}), std::nullopt, {}));
   EXPECT_FALSE(held_object(box, posterior, {}, kLifted, {}));
-}
-
-TEST(MountNear, HasThePoseAndTurnsTheShortWay) {
-  for (double yaw = -6; yaw <= 6; yaw += 0.7) {
-    for (const double pitch : {-1.2, 0.3, 1.2}) {
-      const hand::MountPosition mount = {{0.1, 0.2, 0.3}, {yaw, pitch, -0.8}};
-      hand::MountPosition start = mount;
-      start.ypr += Eigen::Vector3d(0.4, -0.2, 0.3);
-      const auto found = mount_near(mount.pose(), start);
-      EXPECT_LT((found.pose().matrix() - mount.pose().matrix()).norm(), 1e-9);
-      EXPECT_LT((found.ypr - start.ypr).norm(), 0.6);
-    }
-  }
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ void expect_sound(const Table& table, const RegraspPlan& plan, const Eigen::Isom
   EXPECT_LT(error.translation, 1e-6);
 }
 
-const StrategyReport* report_of(const RegraspPlan& plan, Strategy strategy) {
+const StrategyReport* report_of(const RegraspPlan& plan, PlaceStrategy strategy) {
   for (const auto& report : plan.considered) {
     if (report.strategy == strategy) return &report;
   }
@@ -93,7 +93,7 @@ TEST(PlanRegrasp, StandsALyingBoxUpInOneGo) {
   const auto to = table.resting({0, 0, 1}, 1.0, {0.1, 0.05});
   const auto plan = table.plan(from, to);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.strategy, Strategy::carry);
+  EXPECT_EQ(plan.strategy, PlaceStrategy::wrist);
   EXPECT_EQ(plan.transfers.size(), 1u);
   expect_sound(table, plan, from, to);
   const auto again = table.plan(from, to);
@@ -121,7 +121,7 @@ TEST(PlanRegrasp, StandsALyingBottleUp) {
   const auto to = table.resting({0, 0, 1}, 0, {0.1, 0});
   const auto plan = table.plan(from, to);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.strategy, Strategy::carry);
+  EXPECT_EQ(plan.strategy, PlaceStrategy::wrist);
   expect_sound(table, plan, from, to);
 }
 
@@ -132,20 +132,20 @@ TEST(PlanRegrasp, TurnsAMugOverBySettingItDownOnItsSide) {
   const auto to = table.resting({0, 0, 1}, 2.0, {0.05, 0.05});
   const auto plan = table.plan(from, to);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.strategy, Strategy::regrasp);
+  EXPECT_EQ(plan.strategy, PlaceStrategy::regrasp);
   ASSERT_EQ(plan.transfers.size(), 2u);
   EXPECT_LT((plan.transfers[0].T_world_to.translation().head<2>() - place).norm(), 1e-9);
   EXPECT_GE(plan.transfers[0].to, 0);
   expect_sound(table, plan, from, to);
-  ASSERT_TRUE(report_of(plan, Strategy::carry));
-  EXPECT_FALSE(report_of(plan, Strategy::carry)->possible);
-  EXPECT_TRUE(report_of(plan, Strategy::regrasp)->possible);
+  ASSERT_TRUE(report_of(plan, PlaceStrategy::wrist));
+  EXPECT_FALSE(report_of(plan, PlaceStrategy::wrist)->possible);
+  EXPECT_TRUE(report_of(plan, PlaceStrategy::regrasp)->possible);
 
   table.options.max_transfers = 1;
   const auto refused = table.plan(from, to);
   EXPECT_FALSE(refused.found);
   EXPECT_TRUE(refused.transfers.empty());
-  EXPECT_NE(report_of(refused, Strategy::carry)->reason.find("mm above the table"),
+  EXPECT_NE(report_of(refused, PlaceStrategy::wrist)->reason.find("mm above the table"),
             std::string::npos);
 }
 
@@ -173,7 +173,7 @@ TEST(PlanRegrasp, StartsFromTheHandThatHoldsTheObject) {
   holding.joints = hand::joints_in_free_flexion(hand, hand.postures.top.open);
   const auto plan = table.plan(from, to, holding);
   ASSERT_TRUE(plan.found);
-  EXPECT_EQ(plan.strategy, Strategy::carry);
+  EXPECT_EQ(plan.strategy, PlaceStrategy::wrist);
   EXPECT_FALSE(plan.transfers.front().grasp);
   EXPECT_EQ(plan.grasps, 0);
   EXPECT_TRUE(
@@ -187,7 +187,7 @@ TEST(PlanRegrasp, HasNothingToDoAtTheTarget) {
   turned.linear() = at.linear() * table.object.object().symmetries[1];
   const auto plan = table.plan(at, turned);
   EXPECT_TRUE(plan.found);
-  EXPECT_EQ(plan.strategy, Strategy::none);
+  EXPECT_EQ(plan.strategy, PlaceStrategy::none);
   EXPECT_TRUE(plan.transfers.empty());
 }
 

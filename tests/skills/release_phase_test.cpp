@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/grasp/release_phase.hpp"
+#include "skills/release/release_phase.hpp"
 
 #include <gtest/gtest.h>
 

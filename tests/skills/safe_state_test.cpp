@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
+#include <optional>
 #include <semaphore>
 #include <stdexcept>
 #include <stop_token>
@@ -162,6 +164,78 @@ TEST(SafeState, AHandThatStandsElsewhereIsLeftThere) {
   Executor closed(fist, kSoftHand, hand::resting_command());
   EXPECT_EQ(closed.fault().fault, Fault::not_at_start);
   EXPECT_TRUE(closed.fault().detail.starts_with("FFJ3 is at 1.20 rad")) << closed.fault().detail;
+}
+
+/// A hand that can tell where it stands before it is commanded.
+struct SensingHand : StallingHand {
+  std::optional<HandReading> sense() override {
+    ++senses;
+    HandReading reading = hand::resting_reading(kSoftHand);
+    reading.torques[0] = 0.001;  // no hand reads zeros alone
+    reading.mount_force.x() = 0.01;
+    if (script) script(reading);
+    return reading;
+  }
+  std::function<void(HandReading&)> script;
+  int senses = 0;
+};
+
+TEST(FirstReading, IsSensedBeforeTheFirstCommand) {
+  SensingHand sensing;
+  Executor robot(sensing, kSoftHand, hand::resting_command());
+  EXPECT_FALSE(robot.fault());
+  EXPECT_EQ(sensing.senses, 1);
+  EXPECT_EQ(sensing.commands.size(), 1u);
+  ASSERT_EQ(robot.log().readings.size(), 2u);
+  EXPECT_EQ(robot.log().readings[0].mount_force.x(), 0.01);
+}
+
+TEST(FirstReading, OfAHandThatStandsElsewhereLetsNoCommandPass) {
+  int stops = 0;
+  Safety safety;
+  safety.stop_drives = [&] { ++stops; };
+  SensingHand sensing;
+  sensing.script = [](HandReading& reading) { reading.mount.xyz.x() = 0.4; };
+  Executor robot(sensing, kSoftHand, hand::resting_command(), {}, nullptr, safety);
+  EXPECT_EQ(robot.fault().fault, Fault::not_at_start);
+  EXPECT_THROW(robot.wait(0.1), SafetyStop);
+  EXPECT_TRUE(sensing.commands.empty());
+  EXPECT_EQ(stops, 1);
+}
+
+TEST(FirstReading, OfZerosAloneIsOfAHandThatWasNotHeard) {
+  SensingHand sensing;
+  sensing.script = [](HandReading& reading) { reading = hand::resting_reading(kSoftHand); };
+  Executor robot(sensing, kSoftHand, hand::resting_command());
+  EXPECT_EQ(robot.fault().fault, Fault::silent);
+  EXPECT_TRUE(sensing.commands.empty());
+}
+
+TEST(FirstReading, ThatCannotBeUsedIsAskedForAgain) {
+  SensingHand sensing;
+  sensing.script = [&](HandReading& reading) {
+    if (sensing.senses < 3) reading.joints[2] = kNan;
+  };
+  Executor robot(sensing, kSoftHand, hand::resting_command());
+  EXPECT_FALSE(robot.fault());
+  EXPECT_EQ(sensing.senses, 3);
+  SensingHand broken;
+  broken.script = [](HandReading& reading) { reading.joints[2] = kNan; };
+  Executor stopped(broken, kSoftHand, hand::resting_command());
+  EXPECT_EQ(stopped.fault().fault, Fault::not_finite);
+  EXPECT_TRUE(broken.commands.empty());
+}
+
+TEST(FirstReading, OfAHandThatThrowsIsAFault) {
+  SensingHand sensing;
+  sensing.script = [](HandReading&) { throw std::runtime_error("no connection"); };
+  Executor robot(sensing, kSoftHand, hand::resting_command());
+  EXPECT_EQ(robot.fault().fault, Fault::exception);
+  EXPECT_EQ(robot.fault().detail, "the hand: no connection");
+  EXPECT_TRUE(sensing.commands.empty());
+  sensing.script = [](HandReading&) { throw 7; };
+  Executor other(sensing, kSoftHand, hand::resting_command());
+  EXPECT_EQ(other.fault().detail, "the hand: an unknown exception");
 }
 
 }  // namespace

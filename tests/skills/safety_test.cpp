@@ -119,7 +119,7 @@ TEST(Safety, AFrozenLoadIsNoticedAfterItsErrorsAreKnown) {
     FaultyScene scene({.fault = fault, .from = kFrom}, [](HandReading& reading) {
       reading.mount.ypr.x() += 1e-3 * std::sin(1000 * reading.time);
     });
-    scene.robot.set_load_error({{0.2, 0.1, -0.1}, 0.5});
+    scene.robot.load_sensor().set_error({{0.2, 0.1, -0.1}, 0.5});
     EXPECT_EQ(to_string(scene.run().fault), to_string(Fault::frozen));
     EXPECT_LE(scene.hand.last_advance, kFrom + kDetect + 1e-9);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/touch_detector.hpp"
+#include "skills/motion/touch_detector.hpp"
 
 #include <gtest/gtest.h>
 

@@ -32,22 +32,22 @@ struct OverTheTable {
 
 TEST(TouchTestPhase, AFingertipThatSensesTheTableIsCleared) {
   OverTheTable scene(true);
-  scene.robot.suspect(kFinger);
-  ASSERT_EQ(scene.robot.suspects(), std::vector<int>{kFinger});
+  scene.robot.trust().suspect(kFinger);
+  ASSERT_EQ(scene.robot.trust().suspects(), std::vector<int>{kFinger});
   EXPECT_TRUE(TouchTestPhase({}).run(scene.robot, scene.state).ok);
-  EXPECT_TRUE(scene.robot.cleared(kFinger));
-  EXPECT_TRUE(scene.robot.trusted(kFinger));
+  EXPECT_TRUE(scene.robot.trust().cleared(kFinger));
+  EXPECT_TRUE(scene.robot.trust().trusted(kFinger));
   EXPECT_TRUE(scene.robot.survived().empty());
 }
 
 TEST(TouchTestPhase, AnInsensitiveFingertipIsNamedAndNoLongerBelieved) {
   OverTheTable scene(false);
-  scene.robot.suspect(kFinger);
+  scene.robot.trust().suspect(kFinger);
   const PhaseEnd end = TouchTestPhase({}).run(scene.robot, scene.state);
   EXPECT_TRUE(end.ok);
   const std::string& name = soft_shadow().fingers[kFinger].name;
   EXPECT_NE(end.outcome.find(name), std::string::npos) << end.outcome;
-  EXPECT_FALSE(scene.robot.trusted(kFinger));
+  EXPECT_FALSE(scene.robot.trust().trusted(kFinger));
   ASSERT_EQ(scene.robot.survived().size(), 1U);
   EXPECT_EQ(scene.robot.survived()[0].fault, Fault::touch_lost);
 }

@@ -5,7 +5,7 @@
 
 #include "hand/fake_hand.hpp"
 #include "palpate/skills/phase.hpp"
-#include "skills/stretched_way.hpp"
+#include "skills/motion/stretched_way.hpp"
 
 namespace palpate::skills {
 namespace {

@@ -9,6 +9,9 @@
 
 namespace palpate::grasping {
 
+/// Share of the believed friction that forces count on where the object may still move in the hand.
+inline constexpr double kPlannedShare = 0.8;
+
 struct GraspPlanOptions {
   double clearance = 0.004;        ///< of the opened hand from the object, m
   double table_clearance = 0.005;  ///< of the hand from the table, m

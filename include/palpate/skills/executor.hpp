@@ -15,12 +15,15 @@
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/localization/posterior.hpp"
+#include "palpate/skills/finger_trust.hpp"
 #include "palpate/skills/forward_model.hpp"
+#include "palpate/skills/load_sensor.hpp"
 #include "palpate/skills/safety.hpp"
 
 namespace palpate::skills {
 
 class ReadingGate;
+struct ReadingCheck;
 class CommandGate;
 class SpeedProfile;
 class UnsensedForce;
@@ -43,12 +46,6 @@ class Unreachable : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What the mount's load reads where nothing but the hand hangs on it, N.
-struct LoadError {
-  Eigen::Vector3d bias = Eigen::Vector3d::Zero();  ///< in the mount's frame
-  double weight = 0;                               ///< upwards
-};
-
 /// Moves a hand tick by tick and keeps all that it sensed. It knows nothing but the hand's
 /// readings.
 ///
@@ -68,8 +65,8 @@ class Executor {
     std::function<void(const localization::Posterior&)> on_posterior;  ///< of the resting object
   };
 
-  /// @param start  where the hand is commanded now, and is: one whose first reading is elsewhere is
-  ///   stopped where it stands (not_at_start)
+  /// @param start  where the hand is commanded now, and is: one that is elsewhere is stopped where
+  ///   it stands (not_at_start), before any command if it can tell (Hand::sense)
   /// @param models  of the world, for the skills that plan; must outlive the robot
   ///
   /// A fault of the hand's first reading is thrown by the first motion.
@@ -86,12 +83,8 @@ class Executor {
   /// The table has been found here: from now on all is commanded and read in a world whose z = 0 is
   /// the table at the origin; its tilt is in the log.
   void set_table(const Eigen::Isometry3d& T_world_table);
-  /// From now on loads are read without this.
-  void set_load_error(const LoadError& error) { load_error_ = error; }
-  /// Waits until the load on the mount stands still, for a second at most. @return it, N
-  Eigen::Vector3d steady_load();
-  /// The hand stands free: its steady load, beyond what is known of the error, is a drift of it.
-  void tare();
+  /// Readings are corrected by what it knows.
+  LoadSensor& load_sensor() { return load_sensor_; }
   /// What skills plan with. @throws BadInput if the robot was given none
   const ModelFactory& models() const;
   const hand::HandCommand& command() const { return command_; }
@@ -113,18 +106,10 @@ class Executor {
   /// fault with which the robot goes on (touch_lost).
   /// @param detail  one line that names the finger and says why
   void distrust(int finger, std::string detail);
-  bool trusted(int finger) const;
+  FingerTrust& trust() { return trust_; }
+  const FingerTrust& trust() const { return trust_; }
   /// Faults with which the robot went on.
   const std::vector<FaultReport>& survived() const { return survived_; }
-
-  /// Something has held up this finger, which sensed nothing. Ignored once it was cleared.
-  void suspect(int finger) { suspected_[static_cast<std::size_t>(finger)] = true; }
-  /// Whether this finger is believed, but has been held up by what it did not sense.
-  bool suspected(int finger) const;
-  std::vector<int> suspects() const;
-  /// The finger's sensor works: what held it up did not touch its tip.
-  void clear(int finger) { cleared_[static_cast<std::size_t>(finger)] = true; }
-  bool cleared(int finger) const { return cleared_[static_cast<std::size_t>(finger)]; }
 
   const SafetyOptions& limits() const { return safety_.options; }
   /// Commands that a limit has changed, so far. Skills ask for none that needs it.
@@ -167,12 +152,17 @@ class Executor {
   MotionEnd move_hand(const hand::HandCommand& target, double speed, double seconds);
 
  private:
+  void look();
   void tick();
   void limit_unsensed_force();
   MotionEnd tick_until(const StopCondition& stop);
   bool read_once();
+  void hear(const std::function<void()>& ask);
+  bool take(hand::HandReading reading);
+  ReadingCheck check_reading(hand::HandReading& reading);
   void keep(hand::HandReading reading);
   hand::HandReading step();
+  hand::HandReading in_table_world(hand::HandReading reading);
   void ease();
   [[nodiscard]] hand::HandCommand where_it_is() const;
   template <class Value>
@@ -190,16 +180,16 @@ class Executor {
   const ModelFactory* models_;
   estimation::EventLog log_;
   double table_height_ = 0;  ///< m, of the table in the world of the hand's commands
-  LoadError load_error_;
-  Eigen::Vector3d sensed_load_ = Eigen::Vector3d::Zero();  ///< of the last step, with its errors
+  LoadSensor load_sensor_;
   std::optional<std::chrono::steady_clock::time_point> answered_;  ///< the last step
-  double pause_ = 0;  ///< s before the last step in which none was made: a skill was thinking
+  bool commanded_ = false;  ///< the hand has been given a command
+  double pause_ = 0;        ///< s before the last step in which none was made: a skill was thinking
   std::optional<Grip> grip_;
   double deadline_;
   Safety safety_;
   FaultReport fault_;
   std::vector<FaultReport> survived_;
-  hand::PerFinger<bool> suspected_{}, cleared_{};
+  FingerTrust trust_;
   mutable std::optional<std::string> hand_failure_;  ///< of a question to it, not yet a fault
   int exceptions_;                                   ///< under way when the robot was made
   std::unique_ptr<ReadingGate> readings_;

@@ -11,8 +11,9 @@
 #include "palpate/skills/grasp/lift_phase.hpp"
 #include "palpate/skills/grasp/track_phase.hpp"
 #include "palpate/skills/phase.hpp"
-#include "palpate/skills/place/place_phase.hpp"
 #include "palpate/skills/probe/palpation_phase.hpp"
+#include "palpate/skills/release/set_down_phase.hpp"
+#include "palpate/skills/release/withdraw_phase.hpp"
 
 namespace palpate::skills {
 
@@ -47,6 +48,12 @@ struct PickOptions {
     v.section("withdraw", withdraw);
     v.section("track", track);
     v.section("estimation", estimation);
+  }
+
+  /// The friction coefficient of the fingertips on the object that all forces count on.
+  void set_friction(double friction) {
+    grasp.friction = palpation.friction = friction;
+    grasp.plan.friction = grasping::kPlannedShare * friction;
   }
 };
 

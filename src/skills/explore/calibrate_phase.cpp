@@ -17,8 +17,8 @@
 #include "skills/explore/calibration_touches.hpp"
 #include "skills/explore/table_press.hpp"
 #include "skills/load_calibration.hpp"
-#include "skills/lowest_part.hpp"
-#include "skills/motion_constants.hpp"
+#include "skills/motion/lowest_part.hpp"
+#include "skills/motion/motion_constants.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -117,7 +117,7 @@ void touch_table(Executor& robot, const CalibrationTouch& touch, const Calibrate
   robot.move_mount(touch.mount(options, contact_height + reach), options.travel_speed);
   std::optional<double> free;  // N, upwards, in the air
   if (search.next_load-- == 0) {
-    const Eigen::Vector3d load = robot.steady_load();
+    const Eigen::Vector3d load = steady_load(robot);
     search.load.add(robot.command().mount, load);
     free = load.z();
     search.next_load = options.touches / kLoadAttitudes;
@@ -235,7 +235,7 @@ PhaseEnd CalibratePhase::run(Executor& robot, PickState& state) {
   TableSearch search;
   for (const auto& touch : calibration_touches(before, options_)) {
     if (!is_reachable(robot, touch, options_)) continue;
-    if (robot.trusted(touch.finger)) touch_table(robot, touch, options_, search);
+    if (robot.trust().trusted(touch.finger)) touch_table(robot, touch, options_, search);
   }
   const hand::HandCommand& now = robot.command();
   const double free =
@@ -246,7 +246,7 @@ PhaseEnd CalibratePhase::run(Executor& robot, PickState& state) {
   const tactile::HandCalibration found = calibration(before, robot.log(), options_);
   robot.set_model(found.hand);
   robot.set_table(found.T_believed_plane);
-  robot.set_load_error(search.load.error());
+  robot.load_sensor().set_error(search.load.error());
   const bool better = robot.model().kinematic_error < before.kinematic_error;
   return {better, fmt::format("{} touches of the table, kinematic error {:.2f} mm", touches.size(),
                               1e3 * robot.model().kinematic_error)};

@@ -7,7 +7,7 @@
 
 #include "palpate/core/random.hpp"
 #include "palpate/hand/self_clearance.hpp"
-#include "skills/lowest_part.hpp"
+#include "skills/motion/lowest_part.hpp"
 
 namespace palpate::skills {
 namespace {

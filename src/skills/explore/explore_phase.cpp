@@ -13,10 +13,10 @@
 #include "skills/explore/extents.hpp"
 #include "skills/explore/guarded_moves.hpp"
 #include "skills/explore/pointing_finger.hpp"
-#include "skills/lowest_part.hpp"
-#include "skills/motion_constants.hpp"
-#include "skills/take_posture.hpp"
-#include "skills/touch_detector.hpp"
+#include "skills/motion/lowest_part.hpp"
+#include "skills/motion/motion_constants.hpp"
+#include "skills/motion/take_posture.hpp"
+#include "skills/motion/touch_detector.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -78,8 +78,9 @@ std::vector<localization::PosedObject> possible_objects(
 /// How to probe: with the first finger that can point and whose fingertip can be believed.
 std::size_t first_trusted(const Executor& robot) {
   const auto& pointing = robot.model().postures.pointing;
-  const auto found = std::find_if(pointing.begin(), pointing.end(),
-                                  [&](const auto& hand) { return robot.trusted(hand.finger); });
+  const auto found = std::find_if(pointing.begin(), pointing.end(), [&](const auto& hand) {
+    return robot.trust().trusted(hand.finger);
+  });
   return found == pointing.end() ? 0 : static_cast<std::size_t>(found - pointing.begin());
 }
 
@@ -151,7 +152,7 @@ int ExplorePhase::touch_with_another(Executor& robot, PickState& state) {
                  fmt::format("{} does not sense what blocks the hand",
                              robot.model().fingers[static_cast<std::size_t>(insensitive)].name));
   probe_ = first_trusted(robot);
-  if (!robot.trusted(pointing(robot).finger)) {
+  if (!robot.trust().trusted(pointing(robot).finger)) {
     robot.stop_for(Fault::touch_lost, "no finger that can probe senses what blocks the hand");
   }
   blocked_ = 0;

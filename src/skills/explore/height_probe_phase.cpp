@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "palpate/skills/stop_conditions.hpp"
-#include "skills/lowest_part.hpp"
-#include "skills/motion_constants.hpp"
-#include "skills/take_posture.hpp"
+#include "skills/motion/lowest_part.hpp"
+#include "skills/motion/motion_constants.hpp"
+#include "skills/motion/take_posture.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -63,7 +63,7 @@ bool HeightProbePhase::lower(Executor& robot, PickState& state,
   above.xyz = {xy.x(), xy.y(), start_height(robot.model(), state.clear_height)};
   above.ypr = {state.yaw, flat.attitude.pitch, flat.attitude.roll};
   robot.move_mount(above, options_.travel_speed);
-  robot.tare();
+  tare(robot);
 
   const bool found = descend(robot);
   if (found) {

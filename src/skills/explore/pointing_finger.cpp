@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "skills/explore/pointing_finger.hpp"
 
-#include "skills/lowest_part.hpp"
+#include "skills/motion/lowest_part.hpp"
 
 namespace palpate::skills {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "palpate/hand/tip_forces.hpp"
-#include "skills/lowest_part.hpp"
-#include "skills/take_posture.hpp"
+#include "skills/motion/lowest_part.hpp"
+#include "skills/motion/take_posture.hpp"
 
 namespace palpate::skills {
 namespace {

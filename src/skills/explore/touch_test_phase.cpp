@@ -7,8 +7,8 @@
 #include <algorithm>
 
 #include "skills/explore/table_press.hpp"
-#include "skills/lowest_part.hpp"
-#include "skills/motion_constants.hpp"
+#include "skills/motion/lowest_part.hpp"
+#include "skills/motion/motion_constants.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -29,7 +29,7 @@ bool TouchTestPhase::is_insensitive(Executor& robot, int finger) const {
   const double contact_height = -lowest(robot.model(), *touch);
   for (int i = 0; i < kPresses; ++i) {
     robot.move_mount(touch->mount(options_, contact_height + kReach), options_.travel_speed);
-    robot.tare();
+    tare(robot);
     const TablePress press = press_table(robot, *touch, options_, contact_height - kReach);
     rise(robot, kTravelHeight, options_.travel_speed);
     if (press != TablePress::unsensed) return false;
@@ -45,11 +45,11 @@ PhaseEnd TouchTestPhase::run(Executor& robot, PickState& state) {
     rise(robot, std::max(0.0, free - now.mount.xyz.z()), options_.travel_speed);
   };
   std::vector<std::string> insensitive;
-  for (const int finger : robot.suspects()) {
+  for (const int finger : robot.trust().suspects()) {
     high();
     const std::string& name = robot.model().fingers[static_cast<std::size_t>(finger)].name;
     if (!is_insensitive(robot, finger)) {
-      robot.clear(finger);
+      robot.trust().clear(finger);
       continue;
     }
     robot.distrust(finger, fmt::format("{} does not sense what it presses on", name));

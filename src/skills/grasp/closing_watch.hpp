@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "palpate/hand/hand.hpp"
-#include "skills/touch_detector.hpp"
+#include "skills/motion/touch_detector.hpp"
 
 namespace palpate::skills {
 

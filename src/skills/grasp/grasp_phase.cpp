@@ -16,10 +16,10 @@
 #include "skills/grasp/closing_watch.hpp"
 #include "skills/grasp/predicted_contacts.hpp"
 #include "skills/grasp/pressing.hpp"
-#include "skills/lowest_part.hpp"
-#include "skills/motion_constants.hpp"
-#include "skills/opening.hpp"
-#include "skills/take_posture.hpp"
+#include "skills/motion/lowest_part.hpp"
+#include "skills/motion/motion_constants.hpp"
+#include "skills/motion/take_posture.hpp"
+#include "skills/release/opening.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -70,8 +70,8 @@ hand::ActuatorVector relaxed(const Executor& robot, const hand::PerFinger<bool>&
 /// nothing since it began to close, and is not known to sense contact.
 /// @param on_pose  else it may meet the object beside its tip
 bool may_be_insensitive(const Executor& robot, const FingersDone& done, bool on_pose, int finger) {
-  if (!robot.trusted(finger)) return true;
-  return on_pose && !robot.cleared(finger) && !done.met()[static_cast<std::size_t>(finger)];
+  if (!robot.trust().trusted(finger)) return true;
+  return on_pose && !robot.trust().cleared(finger) && !done.met()[static_cast<std::size_t>(finger)];
 }
 
 /// The first plan to which the mount can be brought, of those that avoid the others' yaws.
@@ -97,7 +97,7 @@ PhaseEnd GraspPhase::run(Executor& robot, PickState& state) {
   auto planned = plan(robot, state, tried_yaws);
   if (!planned) return grasp_unplanned(robot, state);
   Hold hold = close_as_planned(robot, state, *planned);
-  if (robot.suspected(robot.model().thumb)) return held_up(robot);
+  if (robot.trust().suspected(robot.model().thumb)) return held_up(robot);
   int closings = 1;
   for (; hold.forces.wrench_residual > options_.max_wrench_residual && closings < options_.closings;
        ++closings) {
@@ -107,7 +107,7 @@ PhaseEnd GraspPhase::run(Executor& robot, PickState& state) {
     if (std::count(tried_yaws.begin(), tried_yaws.end(), planned->mount.ypr.x()) > 0) break;
     release(robot);
     hold = close_as_planned(robot, state, *planned);
-    if (robot.suspected(robot.model().thumb)) return held_up(robot);
+    if (robot.trust().suspected(robot.model().thumb)) return held_up(robot);
   }
   state.tried_yaws.push_back(state.yaw);
   press(robot, hold);
@@ -135,7 +135,7 @@ PhaseEnd GraspPhase::grasp_unplanned(Executor& robot, PickState& state) {
   const hand::Postures& postures = robot.model().postures;
   close(robot, {from_side ? postures.side : postures.top,
                 from_side ? options_.side.closing_rate : options_.top.closing_rate, false});
-  if (robot.suspected(robot.model().thumb)) return held_up(robot);
+  if (robot.trust().suspected(robot.model().thumb)) return held_up(robot);
   const Hold hold = balance(robot, state);
   press(robot, hold);
   return end(robot, hold, from_side ? "side grasp" : "top grasp");
@@ -201,7 +201,7 @@ void GraspPhase::travel_to(Executor& robot, const hand::MountPosition& start,
   above.xyz.z() = std::max(start.xyz.z(), safe);
   robot.move_mount(above, options_.travel_speed);
   robot.move_mount(start, options_.travel_speed);
-  robot.tare();
+  tare(robot);
 }
 
 void GraspPhase::approach_from_side(Executor& robot, const PickState& state) const {
@@ -267,11 +267,11 @@ void GraspPhase::close(Executor& robot, const Closing& how) const {
     if (!friction.known()) continue;
     for (const int finger : unsensed.update(robot.reading(), friction.torques())) {
       if (!may_be_insensitive(robot, done, how.on_pose, finger)) continue;
-      robot.suspect(finger);
+      robot.trust().suspect(finger);
       done.stop(finger);
       just_met[static_cast<std::size_t>(finger)] = true;
     }
-    if (robot.suspected(robot.model().thumb)) break;
+    if (robot.trust().suspected(robot.model().thumb)) break;
   }
   robot.move_fingers(relaxed(robot, just_met, friction.torques()), hand::kTick);
   robot.set_grip(std::nullopt);

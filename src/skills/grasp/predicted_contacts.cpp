@@ -42,7 +42,7 @@ void add_predicted_contacts(const Executor& robot, const geometry::ObjectModel& 
                             std::vector<tactile::Contact>& contacts) {
   const grasping::PlacedObject placed(object, T_world_object, robot.reading().mount.pose());
   for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
-    if (robot.trusted(finger)) continue;
+    if (robot.trust().trusted(finger)) continue;
     if (const auto contact = contact_by_pose(robot, placed, finger)) contacts.push_back(*contact);
   }
 }

@@ -56,7 +56,7 @@ hand::ActuatorVector pressing_command(const Executor& robot,
   for (Eigen::Index i = 0; i < command.size(); ++i) {
     const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
     if (torques[i] == 0) continue;
-    const bool trusted = actuator.finger < 0 || robot.trusted(actuator.finger);
+    const bool trusted = actuator.finger < 0 || robot.trust().trusted(actuator.finger);
     const double now = trusted ? sensed[i] : robot.reading().torques[i];
     const double lead = (torques[i] - now) / actuator.stiffness;
     command[i] = std::clamp(command[i] + lead, actuator.command.low, actuator.command.high);

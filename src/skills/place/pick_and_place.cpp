@@ -17,27 +17,27 @@ void append(std::vector<PhaseReport>& phases, std::vector<PhaseReport>& more) {
 }
 
 /// Keeps the phases in order: a pick's come after all that went before.
-void add(PickAndPlaceResult& course, PickResult picked) {
-  std::vector<PhaseReport> phases = std::move(course.picked.phases);
-  if (course.place) append(phases, course.place->phases);
+void add(PickAndPlaceResult& result, PickResult picked) {
+  std::vector<PhaseReport> phases = std::move(result.picked.phases);
+  if (result.place) append(phases, result.place->phases);
   append(phases, picked.phases);
-  course.picked = std::move(picked);
-  course.picked.phases = std::move(phases);
+  result.picked = std::move(picked);
+  result.picked.phases = std::move(phases);
 }
 
 /// Ends as a pick does that a fault has stopped: with what was done, and nothing known of the
 /// object.
-void end_by_fault(PickAndPlaceResult& course) {
-  PickResult& picked = course.picked;
-  if (course.place && course.place->fault) {
-    picked.fault = course.place->fault;
-    picked.failed_phase = course.place->failed_phase;
-    append(picked.phases, course.place->phases);
+void end_by_fault(PickAndPlaceResult& result) {
+  PickResult& picked = result.picked;
+  if (result.place && result.place->fault) {
+    picked.fault = result.place->fault;
+    picked.failed_phase = result.place->failed_phase;
+    append(picked.phases, result.place->phases);
   }
   if (!picked.fault) return;
   picked.held = false;
   picked.estimate = {};
-  course.place.reset();
+  result.place.reset();
 }
 
 /// What the phase said that failed first, or else the one that found the goal.
@@ -59,7 +59,7 @@ bool needs_new_grasps(const PlaceResult& place) {
          (place.status == PlaceStatus::unreachable || place.other_stable_pose);
 }
 
-/// One course, step by step.
+/// One pick-and-place, strategy by strategy.
 class PlaceAttempts {
  public:
   PlaceAttempts(Executor& robot, const PickAndPlaceTask& task, const PhaseObserver& observer)
@@ -68,25 +68,25 @@ class PlaceAttempts {
   }
 
   PickAndPlaceResult run() {
-    try_strategies(place_strategy(task_.place));
-    end_by_fault(sequence_);
-    return std::move(sequence_);
+    try_strategies(place_strategy(task_.place.strategy));
+    end_by_fault(result_);
+    return std::move(result_);
   }
 
  private:
   void try_strategies(PlaceStrategy strategy) {
     if (strategy != PlaceStrategy::regrasp) {
       in_one_hold(strategy == PlaceStrategy::automatic);
-      if (strategy == PlaceStrategy::wrist) sequence_.strategy.reason = "asked for";
-      if (strategy == PlaceStrategy::fingers && !sequence_.strategy.reorientation) {
-        sequence_.strategy.reason = "nothing for the fingers to turn: " + sequence_.strategy.reason;
+      if (strategy == PlaceStrategy::wrist) result_.strategy.reason = "asked for";
+      if (strategy == PlaceStrategy::fingers && !result_.strategy.reorientation) {
+        result_.strategy.reason = "nothing for the fingers to turn: " + result_.strategy.reason;
       }
     }
-    const bool held = sequence_.picked.held && sequence_.place;
+    const bool held = result_.picked.held && result_.place;
     if (strategy == PlaceStrategy::regrasp) {
       by_regrasping("asked for");
-    } else if (strategy == PlaceStrategy::automatic && held && needs_new_grasps(*sequence_.place)) {
-      by_regrasping("not in one hold: " + outcome_of(*sequence_.place));
+    } else if (strategy == PlaceStrategy::automatic && held && needs_new_grasps(*result_.place)) {
+      by_regrasping("not in one hold: " + outcome_of(*result_.place));
     }
   }
 
@@ -95,25 +95,25 @@ class PlaceAttempts {
     PickAndPlaceTask task = task_;
     for (int attempt = 0; attempt < task.place.picks; ++attempt) {
       task.seed = task_.seed + 1000003 * static_cast<std::uint64_t>(attempt);
-      add(sequence_, pick(robot_, task.object, task.pick, task.seed, observer_));
-      sequence_.strategy.strategy = PlaceStrategy::wrist;
-      sequence_.strategy.reason = "the object was not held";
-      if (!sequence_.picked.held) return;
-      sequence_.place = place(robot_, task, sequence_.picked, observer_);
-      sequence_.strategy.reason = "one hold: " + outcome_of(*sequence_.place);
-      if (sequence_.place->reorientation) {
-        sequence_.strategy.strategy = PlaceStrategy::fingers;
-        sequence_.strategy.reason = sequence_.place->reorientation->why;
-        sequence_.strategy.reorientation = sequence_.place->reorientation;
+      add(result_, pick(robot_, task.object, task.pick, task.seed, observer_));
+      result_.strategy.strategy = PlaceStrategy::wrist;
+      result_.strategy.reason = "the object was not held";
+      if (!result_.picked.held) return;
+      result_.place = place(robot_, task, result_.picked, observer_);
+      result_.strategy.reason = "one hold: " + outcome_of(*result_.place);
+      if (result_.place->reorientation) {
+        result_.strategy.strategy = PlaceStrategy::fingers;
+        result_.strategy.reason = result_.place->reorientation->why;
+        result_.strategy.reorientation = result_.place->reorientation;
         task.place.strategy = to_string(PlaceStrategy::wrist);
       }
-      if (!may_be_picked(*sequence_.place)) return;
-      if (sequence_.place->put_aside) task.pick.fallen_at = sequence_.place->put_aside;
-      if (sequence_.place->status == PlaceStatus::lost) {
-        task.pick.fallen_at = sequence_.place->lost_at;
+      if (!may_be_picked(*result_.place)) return;
+      if (result_.place->put_aside) task.pick.fallen_at = result_.place->put_aside;
+      if (result_.place->status == PlaceStatus::lost) {
+        task.pick.fallen_at = result_.place->lost_at;
       }
       task_.pick.fallen_at = task.pick.fallen_at;
-      if (may_regrasp && needs_new_grasps(*sequence_.place)) return;
+      if (may_regrasp && needs_new_grasps(*result_.place)) return;
     }
   }
 
@@ -121,31 +121,40 @@ class PlaceAttempts {
     PickAndPlaceTask task = task_;
     task.place.strategy = to_string(PlaceStrategy::regrasp);
     RegraspResult result = regrasp(robot_, task, observer_);
-    sequence_.strategy.strategy = PlaceStrategy::regrasp;
-    sequence_.strategy.reason = std::move(reason);
-    sequence_.strategy.regrasp = result.status;
+    result_.strategy.strategy = PlaceStrategy::regrasp;
+    result_.strategy.reason = std::move(reason);
+    result_.strategy.regrasp = result.status;
     for (RegraspRound& round : result.rounds) {
-      add(sequence_, std::move(round.pick));
-      sequence_.strategy.rounds.push_back({std::move(round.plan), std::nullopt});
+      add(result_, std::move(round.pick));
+      result_.strategy.rounds.push_back({std::move(round.plan), std::nullopt});
       if (!round.place) continue;
-      sequence_.strategy.rounds.back().place = round.place->status;
-      sequence_.place = std::move(round.place);
+      result_.strategy.rounds.back().place = round.place->status;
+      result_.place = std::move(round.place);
     }
-    if (!sequence_.place || task_.target.kind == PlaceTarget::Kind::spot) return;
+    if (!result_.place || task_.target.kind == PlaceTarget::Kind::spot) return;
     // Between the stable poses a transfer had a target of its own.
-    sequence_.place->T_world_target = task_.target.T_world_object;
-    if (result.status != RegraspStatus::done && sequence_.place->status == PlaceStatus::placed) {
-      sequence_.place->status = PlaceStatus::under_way;
+    result_.place->T_world_target = task_.target.T_world_object;
+    if (result.status != RegraspStatus::done && result_.place->status == PlaceStatus::placed) {
+      result_.place->status = PlaceStatus::under_way;
     }
   }
 
   Executor& robot_;
   PickAndPlaceTask task_;
   const PhaseObserver& observer_;
-  PickAndPlaceResult sequence_;
+  PickAndPlaceResult result_;
 };
 
 }  // namespace
+
+PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& target,
+                        const PlaceOptions& options) {
+  PickOptions firm = pick_options;
+  if (target.kind == PlaceTarget::Kind::pose) {
+    firm.grasp.press_per_weight = std::max(firm.grasp.press_per_weight, options.turn_press);
+  }
+  return firm;
+}
 
 PickAndPlaceResult pick_and_place(Executor& robot, const PickAndPlaceTask& task,
                                   const PhaseObserver& observer) {

@@ -13,13 +13,13 @@
 #include "palpate/core/angle.hpp"
 #include "palpate/core/gravity.hpp"
 #include "palpate/estimation/mean_load.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 #include "skills/explore/extents.hpp"
-#include "skills/grasp/release_phase.hpp"
 #include "skills/last_contacts.hpp"
-#include "skills/mount_near.hpp"
 #include "skills/phase_sequence.hpp"
 #include "skills/place/standing.hpp"
 #include "skills/place/turn_plan.hpp"
+#include "skills/release/release_phase.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -169,8 +169,8 @@ bool Placement::plan_goal() {
     expect_lean();
     result_.goal = search.goal;
     result_.reorientation = plan_in_hand_reorientation(
-        place_strategy(options_), {robot_.reading().mount, result_.T_world_target, *held, search},
-        options_.fingers,
+        place_strategy(options_.strategy),
+        {robot_.reading().mount, result_.T_world_target, *held, search}, options_.fingers,
         [&](const HeldObject& turned) { return search_goal(turned).goal.has_value(); });
     if (!search.goal && !result_.reorientation) return {false, "unreachable: " + search.obstacle};
     return {true,
@@ -303,15 +303,15 @@ bool Placement::replan_goal() {
 bool Placement::set_down(const PlaceGoal& goal, double wall, const LowerOptions& options,
                          std::string name) {
   const bool for_good = name == kPlace;
-  PlacePhase lower(options, goal, wall, std::move(name));
+  SetDownPhase lower(options, goal, wall, std::move(name));
   const bool ok = sequence_.run(lower);
   if (for_good && lower.released()) {
     result_.T_world_placed = laid_flat(object_, lower.T_world_object()) * T_flat_object_;
   }
   if (ok) return withdraw();
   if (out_of_reach()) return fail(PlaceStatus::unreachable);
-  return fail(lower.touchdown() == PlacePhase::Touchdown::lost ? PlaceStatus::lost
-                                                               : PlaceStatus::refused);
+  return fail(lower.touchdown() == SetDownPhase::Touchdown::lost ? PlaceStatus::lost
+                                                                 : PlaceStatus::refused);
 }
 
 bool Placement::withdraw() {
@@ -335,7 +335,7 @@ void Placement::put_back() {
   if (result_.reorientation && result_.reorientation->known) {
     const Eigen::Isometry3d T_world_object =
         laid_flat(object_, goal.mount.pose() * goal.T_mount_object);
-    goal.mount = mount_near(T_world_object * goal.T_mount_object.inverse(), goal.mount);
+    goal.mount = hand::nearest_mount(T_world_object * goal.T_mount_object.inverse(), goal.mount);
   }
   goal.above = goal.mount;
   goal.above.xyz.z() += options_.goal.rise;

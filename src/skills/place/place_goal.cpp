@@ -11,7 +11,7 @@
 #include "palpate/core/angle.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "skills/mount_near.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -48,6 +48,40 @@ double sunk_in_hand(const geometry::KnownObject& object, const HeldObject& held,
 
 double turn_between(const hand::MountPosition& a, const hand::MountPosition& b) {
   return (a.ypr - b.ypr).norm();
+}
+
+/// One goal for each symmetry of the object, that with the least turn of the mount first.
+std::vector<PlaceGoal> equal_goals(const geometry::KnownObject& object,
+                                   const Eigen::Isometry3d& T_mount_object,
+                                   const Eigen::Isometry3d& T_world_target,
+                                   const hand::MountPosition& now, double rise) {
+  std::vector<PlaceGoal> goals;
+  for (const auto& S : object.symmetries) {
+    PlaceGoal goal;
+    goal.T_mount_object = T_mount_object;
+    goal.T_world_object = T_world_target;
+    goal.T_world_object.linear() = T_world_target.linear() * S;
+    goal.mount = hand::nearest_mount(goal.T_world_object * T_mount_object.inverse(), now);
+    goal.above = raised(goal.mount, rise);
+    goals.push_back(goal);
+  }
+  std::stable_sort(goals.begin(), goals.end(), [&](const PlaceGoal& a, const PlaceGoal& b) {
+    return turn_between(a.mount, now) < turn_between(b.mount, now);
+  });
+  return goals;
+}
+
+/// Why the hand cannot come down there with these joints; empty: it can.
+std::string obstacle_to(const PlaceGoal& goal, const hand::JointVector& joints,
+                        planning::CollisionChecker& scene, const GoalOptions& options) {
+  if (std::string obstacle = obstacle_at(goal.above, options); !obstacle.empty()) return obstacle;
+  for (const auto& mount : {raised(goal.mount, options.room), goal.above}) {
+    const auto pair = scene.deepest_collision(mount, joints);
+    if (!pair) continue;
+    return fmt::format("{} would be {:.0f} mm inside {}", pair->first, 1e3 * pair->depth,
+                       pair->second);
+  }
+  return {};
 }
 
 }  // namespace
@@ -91,30 +125,11 @@ GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held
                    object.stable_poses[held.found_stable_pose].R_table_object, kSameStablePose);
   const Eigen::Isometry3d& T_mount_object =
       search.same_stable_pose ? held.T_mount_object_flat : held.T_mount_object;
-  std::vector<PlaceGoal> goals;
-  for (const auto& S : object.symmetries) {
-    PlaceGoal goal;
-    goal.T_mount_object = T_mount_object;
-    goal.T_world_object = T_world_target;
-    goal.T_world_object.linear() = T_world_target.linear() * S;
-    goal.mount = mount_near(goal.T_world_object * T_mount_object.inverse(), now.mount);
-    goal.above = raised(goal.mount, options.rise);
-    goals.push_back(goal);
-  }
-  std::stable_sort(goals.begin(), goals.end(), [&](const PlaceGoal& a, const PlaceGoal& b) {
-    return turn_between(a.mount, now.mount) < turn_between(b.mount, now.mount);
-  });
   const hand::JointVector joints = plannable(scene.hand(), now.joints);
   scene.hold(scene.palm_pose(hand::MountPosition{}, joints).inverse() * T_mount_object);
-  for (const PlaceGoal& goal : goals) {
-    std::string obstacle = obstacle_at(goal.above, options);
-    for (const auto& mount : {raised(goal.mount, options.room), goal.above}) {
-      if (!obstacle.empty()) break;
-      const auto pair = scene.deepest_collision(mount, joints);
-      if (!pair) continue;
-      obstacle = fmt::format("{} would be {:.0f} mm inside {}", pair->first, 1e3 * pair->depth,
-                             pair->second);
-    }
+  for (const PlaceGoal& goal :
+       equal_goals(object, T_mount_object, T_world_target, now.mount, options.rise)) {
+    const std::string obstacle = obstacle_to(goal, joints, scene, options);
     if (obstacle.empty()) {
       search.goal = goal;
       search.goal->sunk = sunk_in_hand(object, held, goal);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "palpate/skills/place/pick_and_place.hpp"
+
 namespace palpate::skills {
 namespace {
 

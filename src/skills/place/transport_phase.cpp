@@ -9,8 +9,8 @@
 #include "estimation/slip.hpp"
 #include "palpate/estimation/mean_load.hpp"
 #include "palpate/hand/tip_forces.hpp"
+#include "skills/motion/stretched_way.hpp"
 #include "skills/place/weight_bearing.hpp"
-#include "skills/stretched_way.hpp"
 
 namespace palpate::skills {
 namespace {

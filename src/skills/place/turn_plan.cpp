@@ -6,15 +6,16 @@
 #include <numbers>
 
 #include "palpate/core/angle.hpp"
-#include "skills/mount_near.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 
 namespace palpate::skills {
 namespace {
 
 hand::MountPosition wanted_mount(const TurnQuestion& question) {
-  if (question.search.goal) return mount_near(question.search.goal->mount.pose(), question.mount);
-  return mount_near(question.T_world_target * question.held.T_mount_object_flat.inverse(),
-                    question.mount);
+  if (question.search.goal)
+    return hand::nearest_mount(question.search.goal->mount.pose(), question.mount);
+  return hand::nearest_mount(question.T_world_target * question.held.T_mount_object_flat.inverse(),
+                             question.mount);
 }
 
 }  // namespace

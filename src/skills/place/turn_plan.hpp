@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "palpate/skills/place/place.hpp"
+#include "palpate/skills/place_strategy.hpp"
 
 namespace palpate::skills {
 

@@ -9,7 +9,7 @@
 #include "palpate/core/gravity.hpp"
 #include "palpate/estimation/mean_load.hpp"
 #include "palpate/localization/consensus.hpp"
-#include "skills/motion_constants.hpp"
+#include "skills/motion/motion_constants.hpp"
 #include "skills/probe/hidden_spin.hpp"
 #include "skills/probe/probe_finger.hpp"
 #include "skills/probe/probe_regrasp.hpp"

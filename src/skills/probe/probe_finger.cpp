@@ -12,7 +12,7 @@
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "skills/grasp/pressing.hpp"
-#include "skills/motion_constants.hpp"
+#include "skills/motion/motion_constants.hpp"
 
 namespace palpate::skills {
 

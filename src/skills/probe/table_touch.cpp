@@ -9,8 +9,8 @@
 
 #include "palpate/core/se3.hpp"
 #include "palpate/estimation/mean_load.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 #include "palpate/skills/stop_conditions.hpp"
-#include "skills/mount_near.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -156,7 +156,8 @@ void TableTouchChoice::made(const TableTouch& touch, std::optional<double> lowes
 
 std::optional<double> touch_table(Executor& robot, const TableTouchChoice& choice,
                                   const TableTouch& touch, double min_load) {
-  const hand::MountPosition high = mount_near(choice.turned_mount(touch), robot.command().mount);
+  const hand::MountPosition high =
+      hand::nearest_mount(choice.turned_mount(touch), robot.command().mount);
   const hand::MountPosition turned = lowered(high, choice.height() - choice.travel_height());
   const double way = choice.height() + touch.lowest;  // down to the table
   const hand::MountPosition over = lowered(high, way - kSlowFrom - 2 * touch.sigma);

@@ -10,10 +10,10 @@
 #include <numbers>
 
 #include "palpate/core/error.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 #include "palpate/skills/grasp/grasp_phase.hpp"
 #include "palpate/skills/resting_pose.hpp"
-#include "skills/mount_near.hpp"
-#include "skills/reorient/put_down.hpp"
+#include "skills/reorient/transfer_search.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -66,7 +66,7 @@ class Search {
       expand(*next, plan);
     }
     if (plan.found) trace(plan);
-    plan.strategy = plan.transfers.size() > 1 ? Strategy::regrasp : Strategy::carry;
+    plan.strategy = plan.transfers.size() > 1 ? PlaceStrategy::regrasp : PlaceStrategy::wrist;
     explain(plan);
     return plan;
   }
@@ -134,10 +134,10 @@ class Search {
   }
 
   void connect(std::size_t from, std::size_t to, const std::vector<Hold>& holds) {
-    PutDown put_down(object_, tool_, options_, nodes_[from].T_world_object);
-    put_down.set_goal(nodes_[to].T_world_object, nodes_[to].free_yaw);
-    auto transfer = put_down.cheapest(holds);
-    if (from == kStart && to + 1 == nodes_.size()) nearest_ = put_down.largest_clearance();
+    TransferSearch search(object_, tool_, options_, nodes_[from].T_world_object);
+    search.set_goal(nodes_[to].T_world_object, nodes_[to].free_yaw);
+    auto transfer = search.cheapest(holds);
+    if (from == kStart && to + 1 == nodes_.size()) nearest_ = search.largest_clearance();
     if (!transfer) return;
     transfer->from = nodes_[from].stable_pose;
     transfer->to = nodes_[to].stable_pose;
@@ -160,11 +160,11 @@ class Search {
       const Eigen::Isometry3d at = plan.transfers[k - 1].T_world_to;
       turned = at * transfer.T_world_from.inverse();
       transfer.grasp->mount =
-          mount_near(turned * transfer.grasp->mount.pose(), transfer.grasp->mount);
+          hand::nearest_mount(turned * transfer.grasp->mount.pose(), transfer.grasp->mount);
       const bool last = k + 1 == plan.transfers.size();
       if (!last) {
         transfer.T_world_to = turned * transfer.T_world_to;
-        transfer.release = mount_near(turned * transfer.release.pose(), transfer.release);
+        transfer.release = hand::nearest_mount(turned * transfer.release.pose(), transfer.release);
       }
       transfer.T_world_from = at;
       transfer.turn = rotation_distance(transfer.T_world_to.linear(), at.linear());
@@ -172,22 +172,22 @@ class Search {
   }
 
   void explain(RegraspPlan& plan) const {
-    const bool carried = plan.found && plan.strategy == Strategy::carry;
-    plan.considered.push_back({Strategy::carry, carried, why_carry(plan, carried)});
-    if (carried) return;
+    const bool one_hold = plan.found && plan.strategy == PlaceStrategy::wrist;
+    plan.considered.push_back({PlaceStrategy::wrist, one_hold, why_one_hold(plan, one_hold)});
+    if (one_hold) return;
     std::string way;
     for (const auto& t : plan.transfers)
       way += t.to >= 0 ? fmt::format(" stable pose {},", t.to) : "";
     plan.considered.push_back(
-        {Strategy::regrasp, plan.found,
+        {PlaceStrategy::regrasp, plan.found,
          plan.found ? fmt::format("over{} {} transfers, cost {:.2f}", way, plan.transfers.size(),
                                   plan.cost)
                     : fmt::format("no chain of at most {} transfers leads to the target",
                                   options_.max_transfers)});
   }
 
-  std::string why_carry(const RegraspPlan& plan, bool carried) const {
-    if (carried) {
+  std::string why_one_hold(const RegraspPlan& plan, bool one_hold) const {
+    if (one_hold) {
       const Transfer& t = plan.transfers.front();
       return fmt::format("turned by {:.0f} deg, the hand stays {:.0f} mm above the table",
                          t.turn * 180 / std::numbers::pi, 1e3 * t.clearance);
@@ -224,18 +224,6 @@ void check(const geometry::ObjectModel& object, const Eigen::Isometry3d& start,
 
 }  // namespace
 
-std::string_view to_string(Strategy strategy) {
-  switch (strategy) {
-    case Strategy::none:
-      return "none";
-    case Strategy::carry:
-      return "carry";
-    case Strategy::regrasp:
-      return "regrasp";
-  }
-  return "";
-}
-
 GraspTool regrasp_tool(const hand::Description& hand) {
   const hand::Preshape& preshape = hand.postures.top;
   const grasping::ClosingLaw law(hand, kFineRate, preshape.closed);
@@ -257,7 +245,7 @@ RegraspPlan plan_regrasp(const geometry::ObjectModel& object, const hand::Descri
   if (!holding && error.rotation < options.done_angle &&
       error.translation < options.done_distance) {
     plan.found = true;
-    plan.considered.push_back({Strategy::none, true, "the object is there"});
+    plan.considered.push_back({PlaceStrategy::none, true, "the object is there"});
   } else {
     plan = Search(object, hand, tool, options).run(T_world_object, T_world_target, holding);
   }

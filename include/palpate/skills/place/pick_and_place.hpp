@@ -7,6 +7,7 @@
 
 #include "palpate/skills/place/place.hpp"
 #include "palpate/skills/place/regrasp.hpp"
+#include "palpate/skills/place_strategy.hpp"
 
 namespace palpate::skills {
 
@@ -33,6 +34,11 @@ struct PickAndPlaceResult {
   std::optional<PlaceResult> place;
   StrategyTaken strategy;
 };
+
+/// With a firmer grasp for a target that may be in another stable pose (a pose): turned about the
+/// axis through its contacts, the object hangs on their friction.
+PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& target,
+                        const PlaceOptions& options);
 
 /// Picks the object and brings it to its target: `picks` times in one hold; by regrasp() where that
 /// was asked for, or where one hold could not bring it there: it was put back as unreachable, or

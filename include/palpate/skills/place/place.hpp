@@ -7,8 +7,9 @@
 #include "palpate/skills/explore/height_probe_phase.hpp"
 #include "palpate/skills/pick.hpp"
 #include "palpate/skills/place/in_hand_phase.hpp"
-#include "palpate/skills/place/place_phase.hpp"
 #include "palpate/skills/place/transport_phase.hpp"
+#include "palpate/skills/release/set_down_phase.hpp"
+#include "palpate/skills/release/withdraw_phase.hpp"
 #include "palpate/skills/reorient/regrasp_plan.hpp"
 
 namespace palpate::skills {
@@ -63,20 +64,13 @@ struct PlaceOptions {
     v.section("fingers", fingers);
     v.section("regrasp", regrasp);
   }
-};
 
-/// Which way an object is brought to its target.
-enum class PlaceStrategy {
-  automatic,  ///< in one hold, turned in the hand or grasped again where that cannot be
-  wrist,      ///< in one hold, turned by the hand's mount
-  fingers,    ///< in one hold, turned first by the fingers as far as they can, then by the mount
-  regrasp     ///< with planned grasps, over other stable poses if need be
+  /// As PickOptions::set_friction().
+  void set_friction(double friction) {
+    fingers.reorient.friction = friction;
+    transport.friction = regrasp.plan.grasp.friction = grasping::kPlannedShare * friction;
+  }
 };
-std::string_view to_string(PlaceStrategy strategy);
-
-/// What PlaceOptions::strategy asks for.
-/// @throws BadInput for another word
-PlaceStrategy place_strategy(const PlaceOptions& options);
 
 /// How placing ended.
 enum class PlaceStatus {
@@ -128,11 +122,6 @@ struct PickAndPlaceTask {
   PlaceOptions place = {};
   std::uint64_t seed = 0;
 };
-
-/// With a firmer grasp for a target that may be in another stable pose (a pose): turned about the
-/// axis through its contacts, the object hangs on their friction.
-PickOptions firm_enough(const PickOptions& pick_options, const PlaceTarget& target,
-                        const PlaceOptions& options);
 
 /// Transport and placement (thesis chapter 1) of the object that hangs in the hand after a pick:
 /// find where the mount has to go, turn by the fingers where that is asked for or alone makes the

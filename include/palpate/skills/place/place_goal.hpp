@@ -8,6 +8,7 @@
 #include "palpate/localization/consensus.hpp"
 #include "palpate/planning/collision_checker.hpp"
 #include "palpate/skills/place/place_target.hpp"
+#include "palpate/skills/release/set_down_phase.hpp"
 
 namespace palpate::skills {
 
@@ -34,15 +35,6 @@ std::optional<HeldObject> held_object(const geometry::KnownObject& object,
                                       const estimation::EventLog& log,
                                       std::optional<std::size_t> at,
                                       const localization::SamePose& same, bool turned = false);
-
-/// Where the mount has to go, as measured, and the pose of the object that this is for.
-struct PlaceGoal {
-  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< one of equal targets
-  Eigen::Isometry3d T_mount_object = Eigen::Isometry3d::Identity();  ///< that it counts on
-  hand::MountPosition mount;                                         ///< object at the target
-  hand::MountPosition above;                                         ///< object over it
-  double sunk = 0;  ///< m by which the object hangs lower than it counts on, and is met earlier
-};
 
 struct GoalSearch {
   std::optional<PlaceGoal> goal;

@@ -3,20 +3,12 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "palpate/grasping/grasp_plan.hpp"
+#include "palpate/skills/place_strategy.hpp"
 
 namespace palpate::skills {
-
-/// How an object gets into another pose.
-enum class Strategy {
-  none,     ///< it has that pose
-  carry,    ///< held once, turned by the hand's mount
-  regrasp,  ///< put down in other stable poses on the way, and grasped again
-};
-std::string_view to_string(Strategy strategy);
 
 /// The hand as the search sees it: how it closes, and at which attitudes it comes down.
 struct GraspTool {
@@ -107,15 +99,15 @@ struct Transfer {
 
 /// Why a strategy was chosen or not.
 struct StrategyReport {
-  Strategy strategy = Strategy::none;
+  PlaceStrategy strategy = PlaceStrategy::none;
   bool possible = false;
   std::string reason;
 };
 
 struct RegraspPlan {
   bool found = false;
-  Strategy strategy = Strategy::none;
-  std::vector<Transfer> transfers;  ///< in order; empty for Strategy::none or without a way
+  PlaceStrategy strategy = PlaceStrategy::none;
+  std::vector<Transfer> transfers;  ///< in order; empty for PlaceStrategy::none or without a way
   double cost = 0;                  ///< of all transfers
   /// Cheapest strategy first; those not looked at are missing.
   std::vector<StrategyReport> considered;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/skills/place/place_phase.hpp"
+#include "palpate/skills/release/set_down_phase.hpp"
 
 #include <fmt/format.h>
 
@@ -9,23 +9,21 @@
 #include "palpate/estimation/mean_load.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "palpate/skills/stop_conditions.hpp"
-#include "skills/opening.hpp"
+#include "skills/release/opening.hpp"
 
 namespace palpate::skills {
 namespace {
 
-constexpr double kSettleSeconds = 0.25;  // s
-constexpr double kSettle = 0.75;     // s, for the load's mean to hold nothing of the motion before
+constexpr double kHangingSeconds = 0.25;  // s in which the load that hangs is measured
+constexpr double kCalmSeconds =
+    0.75;                            // s, for the load's mean to hold nothing of the motion before
 constexpr double kSettingOut = 0.3;  // s
 constexpr double kKnockedAfter = 0.15;  // s of a faster motion, in which less is noticed
 constexpr double kKnock = 1.5;          // N by which it has met something
 constexpr int kHolding = 2;             // fingers that touch what has not been lost
 constexpr double kTries = 6;            // places on a turn of the spiral
 constexpr double kEarlyOfWall = 0.5;    // of a wall's height: that high, the object stands on it
-constexpr double kWider = 0.25;         // rad by which the fingers open further
-constexpr std::size_t kWidened = 2;     // actuators of a finger, from the palm on, that open wider
-constexpr int kWithdrawals = 3;
-constexpr double kAnyHeight = 1.0;  // m
+constexpr double kAnyHeight = 1.0;      // m
 
 /// Where the n-th try is: on rings around the first.
 Eigen::Vector3d aside(int attempt, double spacing) {
@@ -40,20 +38,6 @@ hand::MountPosition moved(hand::MountPosition mount, const Eigen::Vector3d& way)
   return mount;
 }
 
-hand::ActuatorVector wider(const Executor& robot) {
-  hand::ActuatorVector posture = robot.command().positions;
-  for (int finger = 0; finger < robot.model().finger_count(); ++finger) {
-    auto closing = hand::closing_actuators(robot.model(), finger);
-    if (closing.size() > kWidened) closing.resize(kWidened);
-    for (const int i : closing) {
-      const auto& actuator = robot.actuators()[static_cast<std::size_t>(i)];
-      const double back = actuator.closing > 0 ? -kWider : kWider;
-      posture[i] = std::clamp(posture[i] + back, actuator.command.low, actuator.command.high);
-    }
-  }
-  return posture;
-}
-
 }  // namespace
 
 LowerOptions never_refused(LowerOptions options) {
@@ -61,7 +45,7 @@ LowerOptions never_refused(LowerOptions options) {
   return options;
 }
 
-PhaseEnd PlacePhase::run(Executor& robot, PickState&) {
+PhaseEnd SetDownPhase::run(Executor& robot, PickState&) {
   const int tries = wall_ > 0 ? options_.tries : 1;
   int attempt = 0;
   for (; attempt < tries; ++attempt) {
@@ -89,12 +73,12 @@ PhaseEnd PlacePhase::run(Executor& robot, PickState&) {
 }
 
 /// Slowly, until the table bears the object. @return how that has failed, if it has
-std::optional<PlacePhase::Touchdown> PlacePhase::descend(Executor& robot,
-                                                         const hand::MountPosition& at_goal) const {
+std::optional<SetDownPhase::Touchdown> SetDownPhase::descend(
+    Executor& robot, const hand::MountPosition& at_goal) const {
   hand::MountPosition start = at_goal;
   start.xyz.z() = robot.command().mount.xyz.z();
   robot.move_mount(start, options_.slow_speed);
-  robot.wait(kSettle);
+  robot.wait(kCalmSeconds);
   const double load = estimation::mean_load(robot.log());
   const bool held = hand::touching_fingers(robot.reading()) >= kHolding;
   if (load < options_.contact_load && !held) return Touchdown::lost;
@@ -106,13 +90,13 @@ std::optional<PlacePhase::Touchdown> PlacePhase::descend(Executor& robot,
 }
 
 /// Goes down from over the goal until the table bears the object and a little more.
-PlacePhase::Touchdown PlacePhase::lower(Executor& robot, const Eigen::Vector3d& aside) {
+SetDownPhase::Touchdown SetDownPhase::lower(Executor& robot, const Eigen::Vector3d& aside) {
   const hand::MountPosition measured = estimation::mean_mount(robot.log());
   const hand::MountPosition& command = robot.command().mount;
   hand::MountPosition at_goal = moved(goal_.mount, aside + command.xyz - measured.xyz);
   at_goal.ypr += command.ypr - measured.ypr;
   const hand::MountPosition over = moved(at_goal, {0, 0, std::max(options_.near, 1.5 * wall_)});
-  robot.wait(kSettleSeconds);
+  robot.wait(kHangingSeconds);
   const double hangs = estimation::mean_load(robot.log());
   const bool knocked = command.xyz.z() > over.xyz.z() &&
                        robot.move_mount(over, options_.speed,
@@ -134,51 +118,6 @@ PlacePhase::Touchdown PlacePhase::lower(Executor& robot, const Eigen::Vector3d& 
   if (wall_ <= 0 || pressed_error <= kEarlyOfWall * wall_) return Touchdown::flat;
   height_error_ = pressed_error;
   return Touchdown::early;
-}
-
-void release(Executor& robot, const LowerOptions& options) {
-  const hand::ActuatorVector& open = robot.model().postures.top.open;
-  robot.add_event(estimation::TouchEvent::placed);
-  robot.set_grip(std::nullopt);
-  robot.move_fingers(unloaded(robot), options.unload_seconds);
-  hand::ActuatorVector opened = robot.command().positions;
-  for (Eigen::Index i = 0; i < opened.size(); ++i) {
-    if (robot.actuators()[static_cast<std::size_t>(i)].finger >= 0) opened[i] = open[i];
-  }
-  open_yielding(robot, opened, options.open_seconds);
-  robot.wait(kSettleSeconds);
-}
-
-PhaseEnd OpenPhase::run(Executor& robot, PickState&) {
-  robot.wait(kSettleSeconds);
-  release(robot, options_);
-  const int contacts = hand::count_contacts(robot.reading());
-  return {contacts == 0, fmt::format("{} contacts left", contacts)};
-}
-
-PhaseEnd WithdrawPhase::run(Executor& robot, PickState&) {
-  const hand::MountPosition low = robot.command().mount;
-  const hand::MountPosition high = moved(low, {0, 0, options_.distance});
-  int attempt = 0;
-  bool caught = true;
-  for (; caught && attempt < kWithdrawals; ++attempt) {
-    if (attempt > 0) {
-      robot.move_mount(low, options_.speed);
-      robot.move_fingers(wider(robot), 0.5);
-    }
-    const auto pulled = lasting_load(robot, Eigen::Vector3d::UnitZ(), options_.caught);
-    caught = robot.move_mount(high, options_.speed, pulled) == MotionEnd::stopped;
-  }
-  hand::MountPosition far = robot.command().mount;
-  far.xyz.z() = std::max(far.xyz.z(), options_.height);
-  robot.move_mount(far, options_.far_speed);
-  robot.wait(2 * kSettleSeconds);
-  robot.add_event(event_);
-  const double load = estimation::mean_load(robot.log());
-  if (load > options_.empty * weight_) {
-    return {false, fmt::format("{:.2f} N still hang in the hand", load)};
-  }
-  return {true, attempt > 1 ? fmt::format("free after {} tries", attempt) : "free"};
 }
 
 }  // namespace palpate::skills

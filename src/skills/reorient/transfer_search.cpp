@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/reorient/put_down.hpp"
+#include "skills/reorient/transfer_search.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "palpate/core/se3.hpp"
-#include "skills/mount_near.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -68,7 +68,7 @@ Hold hold_of(const hand::Description& hand, const Holding& holding,
   return hold;
 }
 
-void PutDown::set_goal(const Eigen::Isometry3d& T_world_to, bool free_yaw) {
+void TransferSearch::set_goal(const Eigen::Isometry3d& T_world_to, bool free_yaw) {
   to_ = T_world_to;
   turn_ = std::numeric_limits<double>::infinity();
   for (const Eigen::Matrix3d& S : object_.object().symmetries) {
@@ -85,7 +85,7 @@ void PutDown::set_goal(const Eigen::Isometry3d& T_world_to, bool free_yaw) {
 }
 
 /// Lowest point of the hand where it lets go and where it has withdrawn, m above the table.
-double PutDown::clearance(const Hold& hold) const {
+double TransferSearch::clearance(const Hold& hold) const {
   const Eigen::Isometry3d T_world_mount = to_ * hold.T_mount_object.inverse();
   const Eigen::RowVector3f up = T_world_mount.linear().row(2).cast<float>();
   float low = std::numeric_limits<float>::infinity();
@@ -96,7 +96,7 @@ double PutDown::clearance(const Hold& hold) const {
 }
 
 /// Whether the opened hand leaves the object behind when it rises.
-bool PutDown::rises_freely(const Hold& hold) const {
+bool TransferSearch::rises_freely(const Hold& hold) const {
   const auto& field = object_.field();
   const Eigen::Isometry3f T_object_mount = hold.T_mount_object.inverse().cast<float>();
   const Eigen::Vector3f up = to_.linear().row(2).transpose().cast<float>();
@@ -111,7 +111,7 @@ bool PutDown::rises_freely(const Hold& hold) const {
 }
 
 /// What the grasp costs where it starts and, with gravity pulling otherwise, where it ends.
-double PutDown::cost(const Hold& hold) const {
+double TransferSearch::cost(const Hold& hold) const {
   const double moving = options_.transfer_cost + options_.turn_cost * turn_;
   if (!hold.grasp) return moving;
   const Eigen::Isometry3d T_world_mount = to_ * hold.T_mount_object.inverse();
@@ -122,21 +122,21 @@ double PutDown::cost(const Hold& hold) const {
   return moving + hold.grasp->cost + at_end;
 }
 
-Transfer PutDown::transfer(const Choice& choice) const {
+Transfer TransferSearch::transfer(const Choice& choice) const {
   Transfer transfer;
   transfer.grasp = choice.hold->grasp;
   transfer.T_world_from = from_;
   transfer.T_world_to = to_;
   transfer.release =
-      mount_near(to_ * choice.hold->T_mount_object.inverse(),
-                 choice.hold->grasp ? choice.hold->grasp->mount : hand::MountPosition{});
+      hand::nearest_mount(to_ * choice.hold->T_mount_object.inverse(),
+                          choice.hold->grasp ? choice.hold->grasp->mount : hand::MountPosition{});
   transfer.turn = turn_;
   transfer.clearance = choice.clearance;
   transfer.cost = choice.cost;
   return transfer;
 }
 
-std::optional<Transfer> PutDown::cheapest(const std::vector<Hold>& holds) {
+std::optional<Transfer> TransferSearch::cheapest(const std::vector<Hold>& holds) {
   std::vector<Choice> choices;
   for (const Hold& hold : holds) {
     const double above = clearance(hold);

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "grasping/grasp_matrix.hpp"
+#include "palpate/grasping/grasp_matrix.hpp"
 #include "palpate/tactile/biotac/skin.hpp"
 
 namespace palpate::grasping {

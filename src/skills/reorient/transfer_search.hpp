@@ -23,10 +23,10 @@ Hold hold_of(const hand::Description& hand, const Holding& holding,
              const Eigen::Isometry3d& T_world_object);
 
 /// Looks for the cheapest hold by which the object can be put down in a pose.
-class PutDown {
+class TransferSearch {
  public:
-  PutDown(const geometry::ObjectModel& object, const GraspTool& tool, const RegraspOptions& options,
-          const Eigen::Isometry3d& T_world_from)
+  TransferSearch(const geometry::ObjectModel& object, const GraspTool& tool,
+                 const RegraspOptions& options, const Eigen::Isometry3d& T_world_from)
       : object_(object), tool_(tool), options_(options), from_(T_world_from) {}
 
   /// The pose, or with a free yaw that which needs the least turn; always one that the object's

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/watchdog.hpp"
+#include "skills/safety/watchdog.hpp"
 
 #include <utility>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/reading_gate.hpp"
+#include "skills/safety/reading_gate.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/tip_forces.hpp"
-#include "skills/unsensed_force.hpp"
+#include "skills/safety/unsensed_force.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -120,15 +120,15 @@ ReadingCheck ReadingGate::check(hand::HandReading& reading, const StepReport& st
   if (const ReadingCheck check = check_time(reading.time, step.pause); !check.usable) return check;
   if (const ReadingCheck check = check_values(reading); !check.usable) return check;
   for (const ReadingCheck& check :
-       {check_repeats(reading, step.sensed_load), check_touch(reading), check_load(reading),
-        check_tracking(reading, command), check_mount(reading, command)}) {
+       {check_repeats(reading, step.sensed_load), check_touch(reading, step.trust),
+        check_load(reading), check_tracking(reading, command), check_mount(reading, command)}) {
     if (check.fault != Fault::none) return check;
   }
   const bool first = !last_;
   last_ = reading;
   last_load_ = step.sensed_load;
   last_tick_ = tick_;
-  return first ? check_start(reading, command) : ReadingCheck{};
+  return first ? check_start(reading, command, step.commanded) : ReadingCheck{};
 }
 
 /// A clock that is not the hand's: its ticks. How far they lead the hand's clock at best is known
@@ -234,7 +234,7 @@ ReadingCheck ReadingGate::check_repeats(const hand::HandReading& reading,
 }
 
 /// A fingertip whose contacts are impossible, or repeat themselves, is one that senses nothing.
-ReadingCheck ReadingGate::check_touch(hand::HandReading& reading) {
+ReadingCheck ReadingGate::check_touch(hand::HandReading& reading, const FingerTrust& trust) {
   int usable = 0;
   for (std::size_t finger = 0; finger < hand_.fingers.size(); ++finger) {
     auto& contacts = reading.contacts[finger];
@@ -245,8 +245,8 @@ ReadingCheck ReadingGate::check_touch(hand::HandReading& reading) {
         std::all_of(contacts.begin(), contacts.end(), [&](const hand::TipContact& contact) {
           return believable(contact, hand_.fingers[finger], options_);
         });
-    const bool ok =
-        possible && same_contacts_[finger] < options_.max_repeats && !distrusted_[finger];
+    const bool ok = possible && same_contacts_[finger] < options_.max_repeats &&
+                    trust.trusted(static_cast<int>(finger));
     if (!ok) contacts.clear();
     for (hand::TipContact& contact : contacts) limit_force(contact, options_.tip_force_range);
     flicker_.filter(static_cast<int>(finger), contacts);
@@ -317,8 +317,11 @@ ReadingCheck ReadingGate::check_mount(const hand::HandReading& reading,
 
 /// The first command is of where the hand is: from elsewhere it would jump there.
 ReadingCheck ReadingGate::check_start(const hand::HandReading& reading,
-                                      const hand::HandCommand& command) const {
-  if (is_blank(reading)) return {};  // whether it stays so is checked later
+                                      const hand::HandCommand& command, bool commanded) const {
+  if (is_blank(reading)) {  // whether a hand that is commanded stays so is checked later
+    return commanded ? ReadingCheck{}
+                     : ReadingCheck{false, Fault::silent, "all that the hand reads is zero"};
+  }
   const double off = (command.mount.xyz - reading.mount.xyz).norm();
   const double turned = turn_off(command.mount, reading.mount);
   if (off >= options_.mount_error || turned >= options_.tracking_error) {

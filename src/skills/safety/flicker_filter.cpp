@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/flicker_filter.hpp"
+#include "skills/safety/flicker_filter.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/lowest_part.hpp"
+#include "skills/motion/lowest_part.hpp"
 
 #include <algorithm>
 #include <limits>

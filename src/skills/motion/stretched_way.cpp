@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/stretched_way.hpp"
+#include "skills/motion/stretched_way.hpp"
 
 #include <algorithm>
 #include <cmath>

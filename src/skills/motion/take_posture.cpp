@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/take_posture.hpp"
+#include "skills/motion/take_posture.hpp"
 
 #include "palpate/hand/self_clearance.hpp"
 

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "palpate/skills/phase.hpp"
-#include "palpate/skills/place/place_goal.hpp"
 
 namespace palpate::skills {
 
@@ -51,30 +50,23 @@ struct LowerOptions {
 /// could refuse it.
 LowerOptions never_refused(LowerOptions options);
 
-/// Lets go of an object that stands on the table: records the event `placed`, takes the squeeze
-/// back as it came, then opens slowly.
-void release(Executor& robot, const LowerOptions& options);
-
-/// Opens around an object that the hand has grasped and not lifted.
-class OpenPhase : public Phase {
- public:
-  explicit OpenPhase(const LowerOptions& options) : options_(options) {}
-  std::string_view name() const override { return "open"; }
-  double time_limit() const override { return 30.0; }
-  PhaseEnd run(Executor& robot, PickState& state) override;
-
- private:
-  LowerOptions options_;
+/// Where the mount has to go, as measured, and the pose of the object that this is for.
+struct PlaceGoal {
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< one of equal targets
+  Eigen::Isometry3d T_mount_object = Eigen::Isometry3d::Identity();  ///< that it counts on
+  hand::MountPosition mount;                                         ///< object at the target
+  hand::MountPosition above;                                         ///< object over it
+  double sunk = 0;  ///< m by which the object hangs lower than it counts on, and is met earlier
 };
 
 /// Lets the object down until the table bears it (guarded descent), presses it flat, and lets go.
 /// A contact much too early is a refusal: where a fixture may be the reason, the next try is a
 /// little aside.
-class PlacePhase : public Phase {
+class SetDownPhase : public Phase {
  public:
   /// @param wall  m, height of the fixture's walls; 0: none
-  PlacePhase(const LowerOptions& options, const PlaceGoal& goal, double wall,
-             std::string name = "place")
+  SetDownPhase(const LowerOptions& options, const PlaceGoal& goal, double wall,
+               std::string name = "place")
       : options_(options), goal_(goal), wall_(wall), name_(std::move(name)) {}
   std::string_view name() const override { return name_; }
   double time_limit() const override { return 90.0; }
@@ -100,47 +92,6 @@ class PlacePhase : public Phase {
   double height_error_ = 0;      // m, of the contact over where it was expected
   bool released_ = false;
   Touchdown touchdown_ = Touchdown::nothing;
-};
-
-struct WithdrawOptions {
-  double speed = 0.05;     ///< m/s, out of the object's reach
-  double distance = 0.12;  ///< m
-  double caught = 0.3;     ///< N on the mount that mean the object comes along
-  double height = 0.34;    ///< m, where the mount then waits
-  double far_speed = 0.3;  ///< m/s, up there
-  double empty = 0.25;     ///< share of the object's weight that must not hang in the hand
-
-  template <class Visitor>
-  void visit(Visitor&& v) {
-    v("speed", speed, 0.001, 0.5, "m/s, speed of the withdrawal from the object");
-    v.expert("distance", distance, 0.01, 0.5, "m, distance of the withdrawal from the object");
-    v.expert("caught", caught, 0.05, 10.0,
-             "N, load on the mount above which the object counts as pulled along");
-    v("height", height, 0.1, 1.0, "m, height at which the mount waits afterwards");
-    v.expert("far_speed", far_speed, 0.01, 1.0, "m/s, speed of the rise after the withdrawal");
-    v.expert("empty", empty, 0.0, 1.0,
-             "share of the object's weight above which the object counts as still held");
-  }
-};
-
-/// Takes the open hand away upwards. Where something pulls, the hand goes back, opens wider and
-/// tries again. At the end the mount must carry nothing.
-class WithdrawPhase : public Phase {
- public:
-  /// @param weight  of the object, N
-  /// @param event  at the end: `opened` where the object is grasped again and what is known of its
-  ///   pose still holds
-  WithdrawPhase(const WithdrawOptions& options, double weight,
-                estimation::TouchEvent event = estimation::TouchEvent::released)
-      : options_(options), weight_(weight), event_(event) {}
-  std::string_view name() const override { return "withdraw"; }
-  double time_limit() const override { return 30.0; }
-  PhaseEnd run(Executor& robot, PickState& state) override;
-
- private:
-  WithdrawOptions options_;
-  double weight_;
-  estimation::TouchEvent event_;
 };
 
 }  // namespace palpate::skills

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/command_gate.hpp"
+#include "skills/safety/command_gate.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "palpate/skills/phase.hpp"
+#include "palpate/skills/release/set_down_phase.hpp"
 
 namespace palpate::skills {
 
@@ -20,6 +20,18 @@ class ClearPhase : public Phase {
   std::string_view name() const override { return "clear"; }
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Executor& robot, PickState& state) override;
+};
+
+/// Opens around an object that the hand has grasped and not lifted.
+class OpenPhase : public Phase {
+ public:
+  explicit OpenPhase(const LowerOptions& options) : options_(options) {}
+  std::string_view name() const override { return "open"; }
+  double time_limit() const override { return 30.0; }
+  PhaseEnd run(Executor& robot, PickState& state) override;
+
+ private:
+  LowerOptions options_;
 };
 
 }  // namespace palpate::skills

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/safe_posture.hpp"
+#include "skills/safety/safe_posture.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "palpate/hand/kinematics.hpp"
-#include "skills/command_gate.hpp"
+#include "skills/safety/command_gate.hpp"
 
 namespace palpate::skills {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "grasping/grasp_matrix.hpp"
 #include "palpate/core/options.hpp"
+#include "palpate/grasping/grasp_matrix.hpp"
 
 namespace palpate::grasping {
 

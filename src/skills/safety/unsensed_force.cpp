@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skills/unsensed_force.hpp"
+#include "skills/safety/unsensed_force.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/skills/place/place_phase.hpp"
+#include "palpate/skills/release/set_down_phase.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include "hand/fake_hand.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/hand/tip_forces.hpp"
+#include "skills/release/release_phase.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -51,22 +52,22 @@ struct Descent {
   }
   PhaseReport run() {
     PickState state;
-    phase = PlacePhase({}, goal_at(expected_), wall_);
+    phase = SetDownPhase({}, goal_at(expected_), wall_);
     return run_phase(phase, robot, state);
   }
   hand::Description model = opening_hand();
   hand::FakeHand hand;
   Executor robot;
-  PlacePhase phase;
+  SetDownPhase phase;
   double wall_ = 0, expected_ = kGround;
 };
 
-TEST(PlacePhase, StopsAtTheTableAndReleases) {
+TEST(SetDownPhase, StopsAtTheTableAndReleases) {
   Descent descent([](auto& reading) { stand(reading, kGround); }, 0);
   const auto report = descent.run();
   EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
   EXPECT_TRUE(descent.phase.released());
-  EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::flat);
+  EXPECT_EQ(descent.phase.touchdown(), SetDownPhase::Touchdown::flat);
   EXPECT_TRUE(descent.robot.log().at(estimation::TouchEvent::placed));
   EXPECT_DOUBLE_EQ(descent.robot.command().positions[hand::shadow_hand().actuator("FFJ3")], 0.2);
   // No deeper than what the wanted press takes, and what three ticks of delay add.
@@ -108,53 +109,53 @@ TEST(OpenPhase, FailsWhileTheObjectIsStillSensed) {
   EXPECT_EQ(run_phase(open, descent.robot, state).status, PhaseStatus::failed);
 }
 
-TEST(PlacePhase, FollowsTheTableWhereItIsLowerThanExpected) {
+TEST(SetDownPhase, FollowsTheTableWhereItIsLowerThanExpected) {
   Descent descent([](auto& reading) { stand(reading, kGround - 0.008); }, 0);
   EXPECT_EQ(descent.run().status, PhaseStatus::ok);
   EXPECT_LT(descent.robot.command().mount.xyz.z(), kGround - 0.007);
 }
 
-TEST(PlacePhase, AnEarlyContactIsARefusal) {
+TEST(SetDownPhase, AnEarlyContactIsARefusal) {
   LowerOptions options;
   Descent descent([](auto& reading) { stand(reading, kGround + 0.02); }, 0);
   options.near = 0.03;
   PickState state;
-  PlacePhase phase(options, goal_at(kGround), 0);
+  SetDownPhase phase(options, goal_at(kGround), 0);
   const auto report = run_phase(phase, descent.robot, state);
   EXPECT_EQ(report.status, PhaseStatus::failed);
-  EXPECT_EQ(phase.touchdown(), PlacePhase::Touchdown::early);
+  EXPECT_EQ(phase.touchdown(), SetDownPhase::Touchdown::early);
   EXPECT_FALSE(phase.released());
   EXPECT_NE(report.outcome.find("refused"), std::string::npos);
   EXPECT_FALSE(descent.robot.log().at(estimation::TouchEvent::placed));
 }
 
 /// What has slipped in the hand meets the table on the fast way down.
-TEST(PlacePhase, WhatMeetsTheTableMuchTooEarlyIsNeitherPressedNorLost) {
+TEST(SetDownPhase, WhatMeetsTheTableMuchTooEarlyIsNeitherPressedNorLost) {
   for (const double early : {0.016, 0.02, 0.034}) {
     Descent descent([early](auto& reading) { stand(reading, kGround + early); }, 0);
     descent.run();
-    EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::early) << early;
+    EXPECT_EQ(descent.phase.touchdown(), SetDownPhase::Touchdown::early) << early;
     for (const auto& reading : descent.robot.log().readings) {
       EXPECT_GT(reading.mount_force.z(), -5) << early << " m early";
     }
   }
 }
 
-TEST(PlacePhase, NothingSensedIsNoReasonToRelease) {
+TEST(SetDownPhase, NothingSensedIsNoReasonToRelease) {
   Descent descent([](auto& reading) { stand(reading, 0); }, 0);
   const auto report = descent.run();
   EXPECT_EQ(report.status, PhaseStatus::failed);
-  EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::nothing);
+  EXPECT_EQ(descent.phase.touchdown(), SetDownPhase::Touchdown::nothing);
   EXPECT_FALSE(descent.phase.released());
 }
 
-TEST(PlacePhase, AnEmptyHandIsNoticed) {
+TEST(SetDownPhase, AnEmptyHandIsNoticed) {
   Descent descent([](auto& reading) { reading.mount_force.setZero(); }, 0);
   EXPECT_EQ(descent.run().status, PhaseStatus::failed);
-  EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::lost);
+  EXPECT_EQ(descent.phase.touchdown(), SetDownPhase::Touchdown::lost);
 }
 
-TEST(PlacePhase, LooksForASlotBesideAFirstMiss) {
+TEST(SetDownPhase, LooksForASlotBesideAFirstMiss) {
   constexpr double kWall = 0.006;
   const Eigen::Vector2d slot = goal_at(kGround).mount.xyz.head<2>() + Eigen::Vector2d(0.002, 0);
   const auto script = [&](hand::HandReading& reading) {
@@ -177,7 +178,7 @@ void stand_sunk(hand::HandReading& reading, double ground, double sag) {
   reading.mount_force.z() = kHeldWeight * (1 - pushed_back) - kStiffness * beyond;
 }
 
-TEST(PlacePhase, AnObjectThatSankInTheHandIsInTheSlotAllTheSame) {
+TEST(SetDownPhase, AnObjectThatSankInTheHandIsInTheSlotAllTheSame) {
   constexpr double kWall = 0.006, kSag = 0.005;
   Descent descent([](auto& reading) { stand_sunk(reading, kGround, kSag); }, kWall);
   descent.wall_ = kWall;
@@ -186,52 +187,22 @@ TEST(PlacePhase, AnObjectThatSankInTheHandIsInTheSlotAllTheSame) {
   EXPECT_EQ(report.outcome.find("try"), std::string::npos) << report.outcome;
 }
 
-TEST(PlacePhase, AnObjectThatSankStandsOnAWallAllTheSame) {
+TEST(SetDownPhase, AnObjectThatSankStandsOnAWallAllTheSame) {
   constexpr double kWall = 0.006, kSag = 0.004;
   Descent descent([](auto& reading) { stand_sunk(reading, kGround + kWall, kSag); }, kWall);
   descent.wall_ = kWall;
   const auto report = descent.run();
   EXPECT_EQ(report.status, PhaseStatus::failed) << report.outcome;
-  EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::early);
+  EXPECT_EQ(descent.phase.touchdown(), SetDownPhase::Touchdown::early);
   EXPECT_FALSE(descent.phase.released());
 }
 
-TEST(PlacePhase, GivesUpASlotThatIsNowhere) {
+TEST(SetDownPhase, GivesUpASlotThatIsNowhere) {
   Descent descent([](auto& reading) { stand(reading, kGround + 0.006); }, 0.006);
   descent.wall_ = 0.006;
   const auto report = descent.run();
   EXPECT_EQ(report.status, PhaseStatus::failed);
-  EXPECT_EQ(descent.phase.touchdown(), PlacePhase::Touchdown::early);
-}
-
-PhaseReport withdrawn(hand::FakeHand::Script script) {
-  hand::FakeHand hand(std::move(script));
-  const hand::Description model = hand::with_soft_actuators();
-  hand::HandCommand command = hand::resting_command();
-  command.mount.xyz.z() = 0.1;
-  command.positions.setConstant(0.5);
-  Executor robot(hand, model, command);
-  PickState state;
-  return run_phase(*std::make_unique<WithdrawPhase>(WithdrawOptions{}, kHeldWeight), robot, state);
-}
-
-TEST(WithdrawPhase, RisesFree) { EXPECT_EQ(withdrawn({}).status, PhaseStatus::ok); }
-
-TEST(WithdrawPhase, OpensWiderWhereItIsCaught) {
-  const int finger = hand::shadow_hand().joint("FFJ3");
-  const auto report = withdrawn([&](hand::HandReading& reading) {
-    const bool caught = reading.joints[finger] > 0.4 && reading.mount.xyz.z() > 0.12;
-    reading.mount_force.z() = caught ? 1.0 : 0.0;
-  });
-  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
-  EXPECT_NE(report.outcome.find("2 tries"), std::string::npos) << report.outcome;
-}
-
-TEST(WithdrawPhase, AnObjectThatComesAlongIsAFailure) {
-  const auto report =
-      withdrawn([](hand::HandReading& reading) { reading.mount_force.z() = kHeldWeight; });
-  EXPECT_EQ(report.status, PhaseStatus::failed);
-  EXPECT_NE(report.outcome.find("hang"), std::string::npos);
+  EXPECT_EQ(descent.phase.touchdown(), SetDownPhase::Touchdown::early);
 }
 
 }  // namespace

@@ -6,8 +6,9 @@
 #include <string>
 
 #include "palpate/hand/hand.hpp"
+#include "palpate/skills/finger_trust.hpp"
 #include "palpate/skills/safety.hpp"
-#include "skills/flicker_filter.hpp"
+#include "skills/safety/flicker_filter.hpp"
 
 namespace palpate::skills {
 
@@ -23,7 +24,9 @@ struct StepReport {
   /// N of the mount, as its sensor gave it: in the reading it is corrected by an attitude that is
   /// not the same in any two of them.
   Eigen::Vector3d sensed_load = Eigen::Vector3d::Zero();
-  double pause = 0;  ///< s before the step in which none was made
+  double pause = 0;       ///< s before the step in which none was made
+  bool commanded = true;  ///< else it is sensed before any command
+  FingerTrust trust;      ///< in what the fingertips sense
 };
 
 /// Watches what a hand reads, one reading a tick. Its clock is the number of ticks.
@@ -31,16 +34,10 @@ class ReadingGate {
  public:
   ReadingGate(const hand::Description& hand, const SafetyOptions& options);
 
-  /// Takes the contacts of fingertips that cannot be believed out of the reading.
+  /// Takes the contacts of fingertips that cannot be believed, or are not, out of the reading.
   /// @param command  that was given for the tick
   ReadingCheck check(hand::HandReading& reading, const StepReport& step,
                      const hand::HandCommand& command);
-
-  /// From now on nothing that this fingertip says is believed.
-  void distrust(int finger) { distrusted_[static_cast<std::size_t>(finger)] = true; }
-  [[nodiscard]] bool trusted(int finger) const {
-    return !distrusted_[static_cast<std::size_t>(finger)];
-  }
 
  private:
   ReadingCheck check_time(double time, double pause);
@@ -51,12 +48,12 @@ class ReadingGate {
   [[nodiscard]] std::string impossible_value(const hand::HandReading& reading, Fault& fault) const;
   [[nodiscard]] std::string jump(const hand::HandReading& reading) const;
   ReadingCheck check_repeats(const hand::HandReading& reading, const Eigen::Vector3d& sensed_load);
-  ReadingCheck check_touch(hand::HandReading& reading);
+  ReadingCheck check_touch(hand::HandReading& reading, const FingerTrust& trust);
   ReadingCheck check_load(const hand::HandReading& reading);
   [[nodiscard]] bool presses(const hand::HandReading& reading, int actuator) const;
   [[nodiscard]] const char* astray(int still, int off) const;
   [[nodiscard]] ReadingCheck check_start(const hand::HandReading& reading,
-                                         const hand::HandCommand& command) const;
+                                         const hand::HandCommand& command, bool commanded) const;
   ReadingCheck check_tracking(const hand::HandReading& reading, const hand::HandCommand& command);
   ReadingCheck check_mount(const hand::HandReading& reading, const hand::HandCommand& command);
 
@@ -73,7 +70,6 @@ class ReadingGate {
   int touchless_ = 0;  // readings in a row without a fingertip that can be believed
   hand::PerFinger<int> same_contacts_{};
   hand::PerFinger<std::vector<hand::TipContact>> last_contacts_;
-  hand::PerFinger<bool> distrusted_{};
   FlickerFilter flicker_;
   hand::ActuatorVector rest_positions_;  // where a joint has stood
   hand::ActuatorVector
