@@ -229,7 +229,7 @@ void print_next_of(const LocalizeArguments& arguments, const CLI::App& command,
   } else if (result.posterior.status != lo::PoseStatus::no_pose) {
     const std::string folder =
         "out/localize-" + std::filesystem::path(arguments.mesh).stem().string();
-    print_next(arguments.common, fmt::format("{} --out {} writes the poses, which --prior reads",
+    print_next(arguments.common, fmt::format("{} --out {} writes report.json, which --prior reads",
                                              given_command(command), quoted(folder)));
   }
 }

@@ -203,10 +203,10 @@ int pick(const PickArguments& arguments) {
   const geometry::ObjectModel& object = objects.present();
   evaluation::check_trial(object.object(), options, common.seed);  // bad ones are named first
   const Interrupt interrupt;
-  // First, so that nothing is left behind where the simulator refuses something.
-  const auto header = header_of(arguments, options, object.object());
   notice.reset();
   const auto live = arguments.live.open(common.quiet);
+  // First, so that nothing is left behind where the simulator refuses something.
+  const auto header = header_of(arguments, options, object.object());
 
   const fs::path folder = output_folder(arguments);
   const OutputFolder output(folder, {"recording.h5", "config.toml", "report.json", "replay.html"},

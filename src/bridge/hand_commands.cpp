@@ -10,6 +10,15 @@
 #include "palpate/ros2/robot_messages.hpp"
 
 namespace palpate::bridge {
+namespace {
+
+std::uint64_t stamp_of(const ros2::Header& header, std::uint64_t latest) {
+  const std::uint64_t stamp = ros2::nanoseconds_of(header.stamp);
+  if (stamp > latest) throw BadInput(fmt::format("a stamp of the future, {} ns", stamp));
+  return stamp;
+}
+
+}  // namespace
 
 template <class Take>
 HandCommands::Effect HandCommands::guarded(Take&& take) {
@@ -36,7 +45,7 @@ HandCommands::Effect HandCommands::complete_positions() {
   return Effect::step;
 }
 
-HandCommands::Effect HandCommands::take_joints(std::string_view cdr) {
+HandCommands::Effect HandCommands::take_joints(std::string_view cdr, std::uint64_t latest) {
   return guarded([&] {
     const auto trajectory = ros2::deserialize<ros2::JointTrajectory>(cdr);
     if (trajectory.points.empty()) throw BadInput("a trajectory without points");
@@ -50,7 +59,7 @@ HandCommands::Effect HandCommands::take_joints(std::string_view cdr) {
       target[hand_.actuator(trajectory.joint_names[i])] =
           plausible(positions[i], -kMaxAngle, kMaxAngle, "a position");
     }
-    const std::uint64_t stamp = ros2::nanoseconds_of(trajectory.header.stamp);
+    const std::uint64_t stamp = stamp_of(trajectory.header, latest);
     if (stamp == 0) {
       command_.positions = target;
       return Effect::step;
@@ -62,7 +71,7 @@ HandCommands::Effect HandCommands::take_joints(std::string_view cdr) {
   });
 }
 
-HandCommands::Effect HandCommands::take_mount(std::string_view cdr) {
+HandCommands::Effect HandCommands::take_mount(std::string_view cdr, std::uint64_t latest) {
   return guarded([&] {
     const auto target = ros2::deserialize<ros2::PoseStamped>(cdr);
     const std::string& frame = target.header.frame_id;
@@ -70,7 +79,7 @@ HandCommands::Effect HandCommands::take_mount(std::string_view cdr) {
       throw BadInput(fmt::format("a target in the frame {:?}, not {:?}", frame, world_));
     }
     const Eigen::Isometry3d T_world_mount = ros2::transform_of(target.pose);
-    const std::uint64_t stamp = ros2::nanoseconds_of(target.header.stamp);
+    const std::uint64_t stamp = stamp_of(target.header, latest);
     if (stamp == 0) {
       command_.mount = hand::nearest_mount(T_world_mount, command_.mount);
       new_positions_ = new_mount_ = false;

@@ -27,8 +27,9 @@ class HandCommands {
 
   /// Each counts what cannot be used as malformed, and changes nothing then. A stamp of zero is the
   /// time of arrival: the message is a command of its own.
-  Effect take_joints(std::string_view cdr);
-  Effect take_mount(std::string_view cdr);
+  /// @param latest  ns, stamps after which are not believed: all that comes later would be late
+  Effect take_joints(std::string_view cdr, std::uint64_t latest = UINT64_MAX);
+  Effect take_mount(std::string_view cdr, std::uint64_t latest = UINT64_MAX);
   Effect take_positions(std::string_view cdr);
 
   const hand::HandCommand& command() const { return command_; }

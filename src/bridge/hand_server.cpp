@@ -11,7 +11,8 @@
 namespace palpate::bridge {
 namespace {
 
-constexpr double kStopPoll = 0.1;  // s after which a request to stop is looked for
+constexpr double kStopPoll = 0.1;                  // s after which a request to stop is looked for
+constexpr std::uint64_t kFuture = 60'000'000'000;  // ns that another clock may be ahead
 
 }  // namespace
 
@@ -71,14 +72,16 @@ struct HandServer::Impl {
   /// Takes what has come, and reports of each what it asks for.
   void take(HandCommands& commands, const std::function<void(HandCommands::Effect)>& on_effect) {
     const auto from = [&](RawReader& reader, auto method) {
-      reader.take([&](std::string_view cdr, std::uint64_t) {
+      reader.take([&](std::string_view cdr, std::uint64_t received) {
         ++messages;
-        on_effect((commands.*method)(cdr));
+        on_effect(method(cdr, received + kFuture));
       });
     };
-    from(mount_commands, &HandCommands::take_mount);
-    from(joint_commands, &HandCommands::take_joints);
-    from(position_commands, &HandCommands::take_positions);
+    from(mount_commands,
+         [&](auto cdr, std::uint64_t latest) { return commands.take_mount(cdr, latest); });
+    from(joint_commands,
+         [&](auto cdr, std::uint64_t latest) { return commands.take_joints(cdr, latest); });
+    from(position_commands, [&](auto cdr, std::uint64_t) { return commands.take_positions(cdr); });
     malformed = commands.malformed();
   }
 };

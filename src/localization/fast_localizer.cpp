@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "localization/likelihood/check_evidence.hpp"
@@ -21,11 +22,11 @@ namespace palpate::localization {
 namespace {
 
 constexpr PoseTolerance kLoose{1.7 * kDegree,
-                               0.0033};   // a standard deviation: a third of the tolerance
-constexpr int kMinStarts = 3;             // that must have led to the best pose
-constexpr double kNegligibleMode = 1e-4;  // weight of a pose not worth reporting
-constexpr int kDraws = 600;               // about the basins, that weigh the modes
-constexpr double kMinEffective = 100;     // of these
+                               0.0033};        // a standard deviation: a third of the tolerance
+constexpr int kMinStarts = 3;                  // that must have led to the best pose
+constexpr double kNegligibleMode = 1e-4;       // weight of a pose not worth reporting
+constexpr int kDraws = 600, kMaxDraws = 2400;  // about the basins, that weigh the modes
+constexpr double kMinEffective = 100;          // of these
 
 using Symmetries = PoseFamily::Symmetries;
 
@@ -71,31 +72,42 @@ struct Draws {
   std::vector<double> shares;
 };
 
-Draws draws_about(const std::vector<Basin>& basins, const Energy& energy, RandomStream random) {
-  const auto about = mixture_proposal(mixture_about(basins));
-  Draws draws;
-  std::vector<double> log_weights;
-  for (int i = 0; i < kDraws; ++i) {
-    const SearchPose pose = about->draw(random);
-    log_weights.push_back(static_cast<double>(about->energy(pose) - energy(pose)));
-    draws.poses.emplace_back(Eigen::Quaterniond(pose.R.cast<double>()).normalized(),
-                             pose.t.cast<double>());
-  }
+std::vector<double> shares_of(const std::vector<double>& log_weights) {
   const double largest = *std::ranges::max_element(log_weights);
+  std::vector<double> shares;
   double total = 0;
   for (const double w : log_weights) {
-    draws.shares.push_back(std::exp(w - largest));
-    total += draws.shares.back();
+    shares.push_back(std::exp(w - largest));
+    total += shares.back();
   }
-  for (double& share : draws.shares) share /= total;
-  return draws;
+  for (double& share : shares) share /= total;
+  return shares;
 }
 
 /// Of as many equally weighted draws as say no more.
-double effective_size(const Draws& draws) {
+double effective_size(const std::vector<double>& shares) {
   double squares = 0;
-  for (const double share : draws.shares) squares += share * share;
+  for (const double share : shares) squares += share * share;
   return 1 / squares;
+}
+
+/// Enough draws to know the mass of a mode; nothing if the basins do not tell where it is.
+std::optional<Draws> draws_about(const std::vector<Basin>& basins, const Energy& energy,
+                                 RandomStream random) {
+  const auto about = mixture_proposal(mixture_about(basins));
+  Draws draws;
+  std::vector<double> log_weights;
+  while (draws.poses.size() < kMaxDraws) {
+    for (int i = 0; i < kDraws; ++i) {
+      const SearchPose pose = about->draw(random);
+      log_weights.push_back(static_cast<double>(about->energy(pose) - energy(pose)));
+      draws.poses.emplace_back(Eigen::Quaterniond(pose.R.cast<double>()).normalized(),
+                               pose.t.cast<double>());
+    }
+    draws.shares = shares_of(log_weights);
+    if (effective_size(draws.shares) >= kMinEffective) return draws;
+  }
+  return std::nullopt;
 }
 
 /// Of the draws within the tolerance of a mode's pose, about it.
@@ -151,11 +163,11 @@ std::vector<Mode> settled_modes(const geometry::ObjectModel& model, const Eviden
   }
   // Turns of a body of revolution about its axis would have to be drawn from all round.
   if (!symmetries.seen_rotations().isIdentity()) return modes;
-  const Draws draws = draws_about(basins, energy_at(1), random.fork("weighing"));
-  if (effective_size(draws) < kMinEffective) return {};
-  weigh(modes, draws, symmetries);
+  const auto draws = draws_about(basins, energy_at(1), random.fork("weighing"));
+  if (!draws) return {};
+  weigh(modes, *draws, symmetries);
   const bool trusted = !modes.empty() && pose_probability(modes.front()) > options.certainty;
-  if (trusted) modes.front().covariance = spread_about(modes.front(), draws, symmetries);
+  if (trusted) modes.front().covariance = spread_about(modes.front(), *draws, symmetries);
   return trusted ? modes : std::vector<Mode>{};
 }
 

@@ -16,6 +16,9 @@ constexpr double kUsualLinkError = 0.002;  // m, of recordings that do not say
 
 /// @throws BadInput unless low <= value < high
 int index_from_json(const json& value, int low, std::size_t high, const char* what) {
+  if (!value.is_number_integer()) {
+    throw BadInput(fmt::format("{} {} is not a whole number", what, value.dump()));
+  }
   const auto index = value.get<std::int64_t>();
   if (index < low || index >= static_cast<std::int64_t>(high)) {
     throw BadInput(fmt::format("{} {} is not in {}..{}", what, index, low,

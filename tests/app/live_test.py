@@ -321,7 +321,9 @@ class Page(LiveTest):
 
     def test_a_live_pick(self):
         with browser.Browser(800, 500) as page:  # before the pick, which ends in seconds
-            program = self.start("pick", *PICK, "--out", "run", "--live", "0", "--json")
+            # Long enough for a browser that is slow to come.
+            longer = [*PICK, "--set", "calibrate.touches=20", "--set", "explore.touches=8"]
+            program = self.start("pick", *longer, "--out", "run", "--live", "0", "--json")
             url = self.address(program)
             self.wait_for_page(url)
             page.open(url)

@@ -341,6 +341,16 @@ TEST_F(CommandsTest, WhatCannotBeIsCountedAndChangesNothing) {
   EXPECT_EQ(commands_.command().positions, hand::resting_command(hand_).positions);
 }
 
+/// What comes after one that was believed would be late for good.
+TEST_F(CommandsTest, AStampOfTheFutureIsNotBelieved) {
+  constexpr std::uint64_t kLatest = 5'000'000'000;  // ns
+  EXPECT_EQ(commands_.take_joints(joints(9, 0.5), kLatest), Effect::none);
+  EXPECT_EQ(commands_.take_mount(mount(9, 0.5), kLatest), Effect::none);
+  EXPECT_EQ(commands_.malformed(), 2U);
+  EXPECT_EQ(commands_.take_joints(joints(5, 0.25), kLatest), Effect::step);
+  EXPECT_EQ(commands_.command().positions[2], 0.25);
+}
+
 TEST_F(CommandsTest, AStampOfZeroIsTheTimeOfArrival) {
   EXPECT_EQ(commands_.take_joints(joints(0, 0.25)), Effect::step);
   EXPECT_EQ(commands_.command().positions[2], 0.25);

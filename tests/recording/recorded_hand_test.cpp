@@ -122,6 +122,17 @@ void rewrite_header(const std::filesystem::path& path, int version,
   write_open_seal_of(path, version);
 }
 
+TEST(RecordedHand, RefusesAnIndexThatIsNotWhole) {
+  const TestFolder folder;
+  write_recording(folder / "bad.h5", toy_recording(0, posed_gripper()));
+  rewrite_header(folder / "bad.h5", 2, [](nlohmann::json& header) {
+    header.at("hand").at("name") = "";  // room for more digits
+    header.at("hand").at("actuators").at(0).at("finger") = 0.7;
+  });
+  const std::string message = error_message([&] { read_recording(folder / "bad.h5"); });
+  EXPECT_NE(message.find("a finger 0.7 is not a whole number"), std::string::npos) << message;
+}
+
 TEST(RecordedHand, AHandWithoutActuatorsIsTheShadowHandOfOlderVersions) {
   const TestFolder folder;
   for (const int version : {1, 2}) {
