@@ -21,7 +21,7 @@ import tempfile
 
 import numpy as np
 
-BASE = ["x", "y", "z", "yaw", "pitch", "roll"]
+MOUNT = ["x", "y", "z", "yaw", "pitch", "roll"]
 DONE, BAD_INPUT = 0, 3
 LEROBOT_VERSION, MINARI_VERSION = "v3.0", "0.5.1"
 DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -110,7 +110,7 @@ def _episode(path, header, frames):
     joints = [joint["name"] for joint in hand["joints"]]
     actuators = [actuator["name"] for actuator in hand["actuators"]]
     points, forces = _finger_sums(frames["contact_counts"], frames["contacts"])
-    mount = [f"mount.{axis}" for axis in BASE]
+    mount = [f"mount.{axis}" for axis in MOUNT]
     commands = np.hstack([frames["command_positions"], frames["command_base_xyz_ypr"]])
     columns = {
         "observation.state": (joints + mount, [frames["joints"], frames["base_xyz_ypr"]]),

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "localization/likelihood/goodness_of_fit.hpp"
 #include "localization/likelihood/surface_error.hpp"
 #include "localization/search/descent.hpp"
+#include "localization/search/importance_weights.hpp"
 #include "localization/search/pose_family.hpp"
 #include "localization/search/proposal.hpp"
 #include "palpate/core/angle.hpp"
@@ -72,25 +74,6 @@ struct Draws {
   std::vector<double> shares;
 };
 
-std::vector<double> shares_of(const std::vector<double>& log_weights) {
-  const double largest = *std::ranges::max_element(log_weights);
-  std::vector<double> shares;
-  double total = 0;
-  for (const double w : log_weights) {
-    shares.push_back(std::exp(w - largest));
-    total += shares.back();
-  }
-  for (double& share : shares) share /= total;
-  return shares;
-}
-
-/// Of as many equally weighted draws as say no more.
-double effective_size(const std::vector<double>& shares) {
-  double squares = 0;
-  for (const double share : shares) squares += share * share;
-  return 1 / squares;
-}
-
 /// Enough draws to know the mass of a mode; nothing if the basins do not tell where it is.
 std::optional<Draws> draws_about(const std::vector<Basin>& basins, const Energy& energy,
                                  RandomStream random) {
@@ -104,8 +87,11 @@ std::optional<Draws> draws_about(const std::vector<Basin>& basins, const Energy&
       draws.poses.emplace_back(Eigen::Quaterniond(pose.R.cast<double>()).normalized(),
                                pose.t.cast<double>());
     }
-    draws.shares = shares_of(log_weights);
-    if (effective_size(draws.shares) >= kMinEffective) return draws;
+    draws.shares = relative_weights(log_weights);
+    if (effective_sample_size(draws.shares) < kMinEffective) continue;
+    const double total = std::accumulate(draws.shares.begin(), draws.shares.end(), 0.0);
+    for (double& share : draws.shares) share /= total;
+    return draws;
   }
   return std::nullopt;
 }

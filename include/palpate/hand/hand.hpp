@@ -77,8 +77,8 @@ struct MountLimits {
   double guarded_speed = std::numeric_limits<double>::infinity();      ///< m/s, towards a touch
 };
 
-/// A hand with tactile fingertips on a 6-DoF mount, simulated or real. What carries the mount is
-/// the hand's own matter: a floating mount, or an arm (hand::ArmFollower). All calls are of one
+/// A hand with tactile fingertips on a 6-DoF mount, simulated or real. What moves the mount is the
+/// hand's own matter: a free-flying drive, or an arm (hand::ArmFollower). All calls are of one
 /// thread; what they throw stops the robot.
 class Hand {
  public:

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "localization/search/importance_weights.hpp"
+
 namespace palpate::localization {
 namespace {
 
@@ -18,15 +20,6 @@ constexpr int kLadderBisections = 25;
 constexpr double kDifferenceShare = 0.5;  // of the moves that go by the difference of two particles
 constexpr double kDifference = 0.75;      // of it at most: 2.38 / sqrt(2 * 6) is best for a normal
 
-/// Weights exp(log_weight) relative to the largest.
-std::vector<double> relative_weights(const std::vector<double>& log_weights) {
-  const double largest = *std::max_element(log_weights.begin(), log_weights.end());
-  std::vector<double> weights;
-  weights.reserve(log_weights.size());
-  for (const double w : log_weights) weights.push_back(std::exp(w - largest));
-  return weights;
-}
-
 /// The particles' log weights when the bridge's exponent grows by `step`.
 std::vector<double> bridge_weights(const std::vector<Particle>& particles, double step) {
   std::vector<double> result;
@@ -37,19 +30,10 @@ std::vector<double> bridge_weights(const std::vector<Particle>& particles, doubl
   return result;
 }
 
-double effective_size(const std::vector<double>& weights) {
-  double sum = 0, squares = 0;
-  for (const double w : weights) {
-    sum += w;
-    squares += w * w;
-  }
-  return sum * sum / squares;
-}
-
 /// The largest step of the bridge, at most `longest`, that leaves `size` effective particles.
 double bridge_step(const std::vector<Particle>& particles, double longest, double size) {
   const auto left_after = [&](double step) {
-    return effective_size(relative_weights(bridge_weights(particles, step)));
+    return effective_sample_size(relative_weights(bridge_weights(particles, step)));
   };
   if (left_after(longest) >= size) return longest;
   double low = 0, high = longest;

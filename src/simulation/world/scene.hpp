@@ -50,7 +50,7 @@ struct Scene {
 };
 
 /// Composes the scene: the options of the solver, the table with the fixture, the hand on its
-/// driven mount or arm and the object: its true surface for the fingertips, convex parts for all
+/// drive or arm and the object: its true surface for the fingertips, convex parts for all
 /// else. Gravity is along the table's normal.
 /// @param surface  of the object, in its frame; must outlive the scene
 /// @throws BadInput for options that are not positive, or if the hand or the object cannot be used

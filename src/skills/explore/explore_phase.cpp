@@ -44,7 +44,7 @@ Executor::StopCondition tip_touches(int finger, double force) {
   };
 }
 
-/// Takes back most of the lead that the mount's command has on the mount, which would go on
+/// Takes back most of the lead of the mount's command over where the mount is, which would go on
 /// pushing.
 void stop_here(Executor& robot, double speed) {
   hand::MountPosition here = robot.command().mount;

@@ -73,7 +73,7 @@ struct Truth {
   Eigen::Isometry3d T_world_table = Eigen::Isometry3d::Identity();  ///< z = 0: its surface
 };
 
-/// A table, perhaps a fixture on it, a hand on its mount or arm and one free object, in MuJoCo.
+/// A table, perhaps a fixture on it, a hand on its drive or arm and one free object, in MuJoCo.
 class World {
  public:
   World(const geometry::KnownObject& object, const WorldOptions& options, std::uint64_t seed,
