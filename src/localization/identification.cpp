@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include "localization/likelihood/check_evidence.hpp"
 #include "localization/likelihood/contact_term.hpp"
 #include "localization/likelihood/energy_maker.hpp"
 #include "localization/likelihood/goodness_of_fit.hpp"
@@ -14,6 +13,7 @@
 #include "localization/likelihood/prior_term.hpp"
 #include "localization/likelihood/surface_error.hpp"
 #include "localization/likelihood/table_term.hpp"
+#include "localization/likelihood/thinning.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/localization/pose_prior.hpp"
 

@@ -10,6 +10,7 @@
 #include "localization/likelihood/energy_maker.hpp"
 #include "localization/likelihood/goodness_of_fit.hpp"
 #include "localization/likelihood/surface_error.hpp"
+#include "localization/likelihood/thinning.hpp"
 #include "localization/search/descent.hpp"
 #include "localization/search/modes.hpp"
 #include "localization/search/moves.hpp"

@@ -4,12 +4,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <numeric>
-#include <set>
 
 #include "localization/likelihood/pose_mixture.hpp"
 #include "palpate/core/error.hpp"
@@ -18,7 +14,6 @@
 namespace palpate::localization {
 namespace {
 
-constexpr std::size_t kMaxContacts = 64;
 constexpr double kNormalTolerance = 1e-3;
 constexpr double kLargestExtent = 20;  // of the contacts, in the object's sizes
 constexpr double kWeightTolerance = 1e-6;
@@ -231,69 +226,6 @@ void check_evidence(const geometry::ObjectModel& model, const Evidence& evidence
   if (evidence.balance) check_balance(*evidence.balance);
   if (evidence.table) check_table(*evidence.table, model.object().stable_poses.size());
   if (evidence.prior) check_prior(*evidence.prior);
-}
-
-namespace {
-
-/// For each contact whether it says again, digit for digit, what one before it says: a copy, as of
-/// a reading that was written twice, which knows no more. Candidates may well be alike.
-std::vector<bool> copies_among(const std::vector<tactile::Contact>& contacts) {
-  using Values = std::array<double, 6>;
-  std::set<Values> known;
-  std::vector<bool> copies;
-  for (const tactile::Contact& contact : contacts) {
-    const Values values{contact.p.x(), contact.p.y(), contact.p.z(),
-                        contact.n.x(), contact.n.y(), contact.n.z()};
-    copies.push_back(contact.group < 0 && !known.insert(values).second);
-  }
-  return copies;
-}
-
-/// For each contact the index of what counts as one: itself, or its group.
-std::vector<std::size_t> units_of(const std::vector<tactile::Contact>& contacts,
-                                  std::size_t& count) {
-  std::map<int, std::size_t> groups;
-  std::vector<std::size_t> units;
-  count = 0;
-  for (const tactile::Contact& contact : contacts) {
-    const bool alone = contact.group < 0;
-    const std::size_t unit = alone ? count : groups.try_emplace(contact.group, count).first->second;
-    count += unit == count;
-    units.push_back(unit);
-  }
-  return units;
-}
-
-void keep(const std::vector<bool>& is_kept, Evidence& evidence) {
-  std::vector<tactile::Contact> kept;
-  std::vector<std::size_t> place(is_kept.size(), is_kept.size());  // of a contact among those kept
-  for (std::size_t k = 0; k < is_kept.size(); ++k) {
-    if (!is_kept[k]) continue;
-    place[k] = kept.size();
-    kept.push_back(evidence.contacts[k]);
-  }
-  evidence.contacts = std::move(kept);
-  for (CommonModeBias& offset : evidence.offsets) {
-    for (auto& member : offset.members) member.contact = place[member.contact];
-    std::erase_if(offset.members, [&](const auto& m) { return m.contact == is_kept.size(); });
-  }
-}
-
-}  // namespace
-
-Evidence thinned(Evidence evidence) {
-  std::vector<bool> is_kept = copies_among(evidence.contacts);
-  is_kept.flip();
-  if (std::ranges::count(is_kept, false) > 0) keep(is_kept, evidence);
-  std::size_t count = 0;
-  const std::vector<std::size_t> units = units_of(evidence.contacts, count);
-  if (count <= kMaxContacts) return evidence;
-  std::vector<bool> is_unit_kept(count, false);
-  for (std::size_t i = 0; i < kMaxContacts; ++i) is_unit_kept[i * count / kMaxContacts] = true;
-  is_kept.clear();
-  for (const std::size_t unit : units) is_kept.push_back(is_unit_kept[unit]);
-  keep(is_kept, evidence);
-  return evidence;
 }
 
 }  // namespace palpate::localization

@@ -8,9 +8,4 @@ namespace palpate::localization {
 /// @throws BadInput naming the first value that cannot be used
 void check_evidence(const geometry::ObjectModel& model, const Evidence& evidence);
 
-/// The evidence without contacts that repeat one before them digit for digit, whose errors are the
-/// same, and with at most 64, spread evenly over their order: more hardly sharpen the pose but cost
-/// time in proportion.
-Evidence thinned(Evidence evidence);
-
 }  // namespace palpate::localization
