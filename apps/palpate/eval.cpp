@@ -75,6 +75,7 @@ std::vector<NamedObject> with_names(const CandidateObjects& candidates) {
 std::string repetition_of(const EvalArguments& arguments) {
   const std::string& first = arguments.objects.front();
   const bool is_known = arguments.candidates.empty();
+  const double size_range = arguments.known.size_range;
   const auto option = [](const char* name, const std::string& value) {
     return value.empty() ? "" : fmt::format(" {} {}", name, quoted(value));
   };
@@ -86,6 +87,7 @@ std::string repetition_of(const EvalArguments& arguments) {
       option("--mass", arguments.known.mass ? fmt::format("{}", *arguments.known.mass) : "") +
       option("--at", arguments.known.at) +
       option("--units", arguments.known.units == "m" ? "" : arguments.known.units) +
+      option("--size-range", size_range > 0 ? fmt::format("{}", size_range) : "") +
       option("--place", arguments.place) + option("--hand", arguments.hand) +
       option("--arm", arguments.arm) + option("--config", arguments.common.config);
   for (const auto& setting : arguments.common.set) command += option("--set", setting);
@@ -165,10 +167,11 @@ std::string next_of(const EvalArguments& arguments) {
 int run_campaign(EvalArguments arguments) {
   if (!arguments.place.empty() || !arguments.shard_text.empty() || arguments.known.mass ||
       !arguments.known.at.empty() || arguments.known.units != "m" ||
-      !arguments.candidates.empty() || arguments.live.option->count() > 0) {
+      arguments.known.size_range > 0 || !arguments.candidates.empty() ||
+      arguments.live.option->count() > 0) {
     throw BadInput(
-        "--faults cannot be combined with --place, --shard, --mass, --at, --units, --candidates "
-        "or --live");
+        "--faults cannot be combined with --place, --shard, --mass, --at, --units, --size-range, "
+        "--candidates or --live");
   }
   if (arguments.resume && (arguments.common.out.empty() || arguments.common.force)) {
     throw BadInput("--resume needs the --out of a campaign, and no --force");

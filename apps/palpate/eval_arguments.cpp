@@ -42,6 +42,15 @@ void check_options(const EvalArguments& arguments) {
 
 /// A target is that of an object which is known.
 void check_candidates(const EvalArguments& arguments) {
+  if (arguments.known.size_range > 0 && !arguments.place.empty()) {
+    throw BadInput(fmt::format("--size-range {} cannot be combined with --place {}",
+                               arguments.known.size_range, arguments.place));
+  }
+  if (arguments.known.size_range > 0 && arguments.candidates.empty()) {
+    throw BadInput(
+        fmt::format("--size-range {} with {} objects needs --candidates: which of them it may be",
+                    arguments.known.size_range, arguments.objects.size()));
+  }
   if (arguments.candidates.empty() || arguments.place.empty()) return;
   if (arguments.candidates.size() == 1 && arguments.objects.size() == 1 &&
       is_same_object(arguments.candidates.front(), arguments.objects.front())) {
@@ -86,6 +95,7 @@ void add_eval_arguments(CLI::App& command, EvalArguments& arguments) {
       ->delimiter(',')
       ->option_text("O,O2..");
   add_object_options(command, arguments.known);
+  add_size_range_option(command, arguments.known.size_range);
   add_hand_option(command, arguments.hand);
   add_arm_option(command, arguments.arm);
   add_live_option(command, arguments.live);
@@ -98,6 +108,8 @@ void complete(EvalArguments& arguments) {
   arguments.objects = geometry::expand_object_names(arguments.objects);
   require_distinct(arguments.objects);  // its trials would count twice
   arguments.candidates = geometry::expand_object_names(arguments.candidates);
+  const bool one = arguments.objects.size() == 1 && arguments.candidates.empty();
+  if (arguments.known.size_range > 0 && one) arguments.candidates = arguments.objects;
   auto given = arguments.objects;
   given.insert(given.end(), arguments.candidates.begin(), arguments.candidates.end());
   require_mesh_file(given, arguments.known.units);

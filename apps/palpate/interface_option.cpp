@@ -13,6 +13,17 @@ std::vector<CLI::Option*> add_interface_options(CLI::App& command,
   add("--world-frame", interface.world, "FRAME", "ROS 2 frame in which poses are given");
   add("--mount-frame", interface.mount, "FRAME", "ROS 2 frame of the hand's mount");
   add("--joint-states", interface.joint_states, "TOPIC", "topic of the joint states");
+  add("--actuator-states", interface.actuator_states, "TOPIC", "topic of the actuators' efforts");
+  add("--wrench", interface.wrench, "TOPIC", "topic of the force on the mount");
+  added.push_back(command
+                      .add_option_function<std::string>(
+                          "--tf",
+                          [&interface](const std::string& topic) {
+                            interface.tf = topic;
+                            interface.tf_static = topic + "_static";
+                          },
+                          "topic of the transforms; the static ones' is its name and _static")
+                      ->option_text("TOPIC [/tf]"));
   add("--contacts", interface.contacts, "TOPIC",
       "prefix of the contact topics; the finger's name follows");
   add("--fingertip-wrenches", interface.fingertip_wrenches, "TOPIC",

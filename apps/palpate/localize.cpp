@@ -19,6 +19,7 @@
 #include "palpate/localization/contacts_io.hpp"
 #include "palpate/localization/free_space.hpp"
 #include "palpate/localization/identification.hpp"
+#include "palpate/localization/sizes.hpp"
 #include "terminal.hpp"
 
 namespace palpate::app {
@@ -166,6 +167,7 @@ lo::Posterior search(const geometry::ObjectModel& model, const LocalizeArguments
     result.hint = hint_for(model, evidence, random, options);
   }
   result.objects.candidates = {1};
+  result.objects.probability = 1;
   return posterior;
 }
 
@@ -185,9 +187,15 @@ lo::Posterior identify(const std::vector<geometry::ObjectModel>& models,
     seconds += hypotheses.back().posterior.seconds;
   }
   result.objects = lo::object_probabilities(hypotheses, options.identify);
-  const std::size_t best = result.objects.best;
-  auto posterior =
-      lo::weighted(std::move(hypotheses[best].posterior), result.objects.candidates[best]);
+  lo::SizedCandidates candidates;
+  std::vector<lo::Posterior> posteriors;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    candidates.push_back(&models[i].object());
+    posteriors.push_back(
+        lo::weighted(std::move(hypotheses[i].posterior), result.objects.candidates[i]));
+  }
+  lo::choose_shape(candidates, result.objects);
+  auto posterior = lo::pooled(candidates, result.objects, posteriors);
   posterior.seconds = seconds;
   return posterior;
 }
@@ -198,16 +206,16 @@ LocalizeResult solve(const LocalizeArguments& arguments, const LocalizeOptions& 
   LocalizeResult result;
   result.method = arguments.method;
   result.ignore_spin = arguments.ignore_spin;
-  result.names = mesh_names(arguments.mesh);
+  result.names = with_sizes(mesh_names(arguments.mesh), arguments.size_range);
   if (result.names.size() > 1 && !arguments.prior.empty()) {
-    throw BadInput(fmt::format("--prior {} is of one MESH, {} are given", arguments.prior,
-                               result.names.size()));
+    throw BadInput(fmt::format("--prior {} is of one MESH of one size, {} are given",
+                               arguments.prior, result.names.size()));
   }
-  require_distinct(result.names);
   require_mesh_file(result.names, arguments.units);
   const ContactFile file = read_contact_file(arguments);  // before a mesh is prepared
-  std::vector<geometry::ObjectModel> models;
-  for (const auto& name : result.names) models.emplace_back(load_object(name, arguments.units));
+  ObjectArguments known;
+  known.units = arguments.units;
+  const auto models = load_models(result.names, known);
   const std::chrono::duration<double> prepared = std::chrono::steady_clock::now() - start;
   result.prepare_seconds = prepared.count();
   result.posterior = models.size() == 1 ? search(models.front(), arguments, options, file, result)

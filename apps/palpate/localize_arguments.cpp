@@ -45,6 +45,7 @@ void add_mesh_and_contacts(CLI::App& command, LocalizeArguments& arguments) {
           "normals pointing out of the object; at least one contact of a group touches")
       ->option_text("CONTACTS");
   add_units_option(command, arguments.units);
+  add_size_range_option(command, arguments.size_range);
 }
 
 void add_noise(CLI::App& command, LocalizeArguments& arguments) {
@@ -115,8 +116,9 @@ void check_localize_arguments(const CLI::App& command, LocalizeArguments& argume
   if (arguments.demo && command.count("--threads") == 0) {
     arguments.common.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   }
-  if (command.count("--method") > 0 && mesh_names(arguments.mesh).size() > 1) {
-    throw CLI::ValidationError("--method", "goes with one MESH; of several it is full");
+  if (command.count("--method") > 0 &&
+      (mesh_names(arguments.mesh).size() > 1 || arguments.size_range > 0)) {
+    throw CLI::ValidationError("--method", "goes with one MESH of one size; of several it is full");
   }
   if (!arguments.demo && arguments.contacts.empty()) {
     if (!arguments.mesh.empty()) throw CLI::RequiredError("CONTACTS");

@@ -15,7 +15,7 @@ struct LocalizeArguments {
   std::string mesh, contacts;
   std::string method = "fast";
   bool demo = false, ignore_spin = false;
-  double point_noise = 0.001, normal_noise_deg = 10;
+  double point_noise = 0.001, normal_noise_deg = 10, size_range = 0;
   std::optional<double> table;
   std::string free, planes, prior, units = "m";
 };

@@ -100,6 +100,7 @@ nlohmann::json report_of(const LocalizeResult& result) {
           {"object", result.names[result.objects.best]},
           {"objects", objects},
           {"other_object", result.objects.other},
+          {"size", result.objects.size},
           {"probability", best_probability(result.posterior, result.ignore_spin)},
           {"modes", modes},
           {"residual_mass", result.posterior.residual_mass()},
@@ -121,6 +122,9 @@ void print_result(const LocalizeResult& result) {
     fmt::print("{:6.3f}  {}\n", result.objects.candidates[i], result.names[i]);
   }
   if (result.names.size() > 1) fmt::print("{:6.3f}  another object\n", result.objects.other);
+  if (result.objects.size != 1) {
+    fmt::print("{:.3f} times the size of its mesh\n", result.objects.size);
+  }
   for (const auto& repair : result.repairs) fmt::print("mesh repaired: {}\n", repair);
   if (!result.hint.empty()) fmt::print("{}\n", result.hint);
   if (result.posterior.modes.empty()) return;

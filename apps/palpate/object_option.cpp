@@ -19,23 +19,29 @@ namespace palpate::app {
 namespace {
 
 constexpr std::size_t kMaxCandidates = 10;
+constexpr double kSizeStep = 0.05;     // of sizes that are compared, at most
 constexpr double kMillimetre = 0.001;  // m
 constexpr double kReach = 3;           // m of a rough place along x and y
 constexpr double kRoughest = 0.1;      // m
 
-bool is_mesh_file(const std::string& name) {
+bool is_mesh_file(const std::string& sized_name) {
+  const std::string name = geometry::sized_name(sized_name).name;
   const auto& built_in = geometry::built_in_objects();
   std::error_code error;
   return std::ranges::find(built_in, name) == built_in.end() &&
          std::filesystem::is_regular_file(name, error);
 }
 
-/// The same for all spellings of a mesh file's path.
+/// The same for all spellings of a mesh file's path and of a size.
 std::string identity_of(const std::string& name) {
-  if (!is_mesh_file(name)) return name;
-  std::error_code error;
-  const auto path = std::filesystem::canonical(name, error);
-  return error ? name : path.string();
+  const geometry::SizedName sized = geometry::sized_name(name);
+  std::string identity = sized.name;
+  if (is_mesh_file(sized.name)) {
+    std::error_code error;
+    const auto path = std::filesystem::canonical(sized.name, error);
+    if (!error) identity = path.string();
+  }
+  return sized.size == 1 ? identity : fmt::format("{}@{}", identity, sized.size);
 }
 
 }  // namespace
@@ -48,11 +54,12 @@ void add_units_option(CLI::App& command, std::string& units) {
 
 geometry::KnownObject load_object(const std::string& name, const std::string& units) {
   if (units == "m" || !is_mesh_file(name)) return geometry::load_known_object(name);
-  geometry::TriangleMesh mesh = geometry::load_mesh(name);
+  const geometry::SizedName sized = geometry::sized_name(name);
+  geometry::TriangleMesh mesh = geometry::load_mesh(sized.name);
   for (auto& vertex : mesh.vertices) vertex *= kMillimetre;
-  geometry::KnownObject object = geometry::make_known_object(name, mesh, 0);
-  object.name = std::filesystem::path(name).stem().string();
-  return object;
+  geometry::KnownObject object = geometry::make_known_object(sized.name, mesh, 0);
+  object.name = std::filesystem::path(sized.name).stem().string();
+  return geometry::resized(std::move(object), sized.size);
 }
 
 void require_mesh_file(const std::vector<std::string>& names, const std::string& units) {
@@ -86,6 +93,48 @@ geometry::KnownObject load_object(const std::string& name, const ObjectArguments
   return object;
 }
 
+CLI::Option* add_size_range_option(CLI::App& command, double& size_range) {
+  return command
+      .add_option("--size-range", size_range,
+                  "share by which the object may be larger or smaller than its mesh; its size is "
+                  "then estimated, too")
+      ->check(in_range(0.0, 0.2))
+      ->option_text("R");
+}
+
+std::vector<std::string> with_sizes(const std::vector<std::string>& names, double size_range) {
+  require_distinct(names);
+  std::vector<std::string> all = names;
+  const int steps = static_cast<int>(std::ceil(size_range / kSizeStep - 1e-9));
+  for (const std::string& name : names) {
+    const geometry::SizedName sized = geometry::sized_name(name);
+    for (int i = 1; i <= steps; ++i) {
+      for (const double sign : {-1.0, 1.0}) {
+        const double size = sized.size * (1 + sign * i * size_range / steps);
+        all.push_back(fmt::format("{}@{:.4g}", sized.name, size));
+      }
+    }
+  }
+  require_distinct(all);
+  return all;
+}
+
+std::vector<geometry::ObjectModel> load_models(const std::vector<std::string>& names,
+                                               const ObjectArguments& arguments) {
+  std::vector<geometry::ObjectModel> models;
+  for (const std::string& name : names) models.emplace_back(load_object(name, arguments));
+  for (std::size_t j = 1; j < names.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      if (!geometry::is_same_shape(models[i].object(), models[j].object()) ||
+          is_same_object(geometry::sized_name(names[i]).name, geometry::sized_name(names[j]).name))
+        continue;
+      throw BadInput(fmt::format("{} and {} would be sizes of one object, as both are called {}",
+                                 names[i], names[j], models[i].object().name));
+    }
+  }
+  return models;
+}
+
 estimation::Candidates CandidateObjects::candidates() const {
   estimation::Candidates candidates;
   for (const auto& model : models) candidates.push_back(&model);
@@ -115,17 +164,21 @@ void require_distinct(const std::vector<std::string>& names) {
 
 CandidateObjects load_objects(const std::vector<std::string>& names,
                               const ObjectArguments& arguments) {
-  if (names.size() > kMaxCandidates) {
-    throw BadInput(fmt::format("{} objects of which one may stand there, at most {} are compared",
-                               names.size(), kMaxCandidates));
-  }
   if (names.size() > 1 && arguments.mass) {
     throw BadInput(fmt::format("--mass {} is of one object, not of {} objects", *arguments.mass,
                                names.size()));
   }
-  CandidateObjects objects{names, {}};
-  require_distinct(names);
-  for (const auto& name : names) objects.models.emplace_back(load_object(name, arguments));
+  CandidateObjects objects{with_sizes(names, arguments.size_range), {}};
+  if (objects.names.size() > kMaxCandidates) {
+    throw BadInput(
+        fmt::format("{} objects of which one may stand there, at most {} are compared{}",
+                    objects.names.size(), kMaxCandidates,
+                    arguments.size_range > 0
+                        ? fmt::format(" (--size-range {} is {} sizes of each)",
+                                      arguments.size_range, objects.names.size() / names.size())
+                        : ""));
+  }
+  objects.models = load_models(objects.names, arguments);
   return objects;
 }
 

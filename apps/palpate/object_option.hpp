@@ -17,7 +17,14 @@ struct ObjectArguments {
   std::optional<double> mass;  ///< kg
   std::string at;              ///< X,Y[,R], m
   std::string units = "m";     ///< of mesh files
+  double size_range = 0;       ///< share by which the object may be larger or smaller
 };
+
+/// --size-range R, which makes several candidates of each object.
+CLI::Option* add_size_range_option(CLI::App& command, double& size_range);
+
+/// The names and, after them, those of their other sizes within a range: "mug@0.95".
+std::vector<std::string> with_sizes(const std::vector<std::string>& names, double size_range);
 
 /// --units m|mm, of the mesh files.
 void add_units_option(CLI::App& command, std::string& units);
@@ -44,7 +51,13 @@ bool is_same_object(const std::string& a, const std::string& b);
 /// @throws BadInput for an object that is given twice
 void require_distinct(const std::vector<std::string>& names);
 
-/// Objects by their names, of which one may be what the hand touches.
+/// The objects of these names, prepared for the search.
+/// @throws BadInput as load_object, and for files of one name that would be taken for sizes
+std::vector<geometry::ObjectModel> load_models(const std::vector<std::string>& names,
+                                               const ObjectArguments& arguments);
+
+/// Objects by their names, of which one may be what the hand touches; those given, then their other
+/// sizes.
 struct CandidateObjects {
   std::vector<std::string> names;
   std::vector<geometry::ObjectModel> models;

@@ -70,6 +70,10 @@ void check_target(const PickArguments& arguments, const std::string& target) {
     throw BadInput(fmt::format("--place {}: needs one object, {} are given", target,
                                arguments.objects.size()));
   }
+  if (arguments.known.size_range > 0) {
+    throw BadInput(fmt::format("--place {}: needs an object of known size, and --size-range is {}",
+                               target, arguments.known.size_range));
+  }
   if (true_index(arguments) == 0) return;
   throw BadInput(
       fmt::format("--place {}: needs an object that is known, and --true-object {} is "
@@ -82,6 +86,9 @@ std::string names_header(const PickArguments& arguments) {
   std::string text = fmt::format("# object {}\n", fmt::join(arguments.objects, ","));
   if (!arguments.true_object.empty()) {
     text += fmt::format("# true object {}\n", arguments.true_object);
+  }
+  if (arguments.known.size_range > 0) {
+    text += fmt::format("# size range {}\n", arguments.known.size_range);
   }
   return text;
 }
@@ -105,7 +112,7 @@ struct PickObjects {
 
 PickObjects load_pick_objects(const PickArguments& arguments) {
   PickObjects objects{load_objects(arguments.objects, arguments.known), true_index(arguments), {}};
-  if (objects.truth == objects.candidates.names.size()) {
+  if (objects.truth == arguments.objects.size()) {
     objects.other.emplace(load_object(arguments.true_object, arguments.known));
   }
   return objects;
@@ -254,6 +261,7 @@ void add_pick(CLI::App& program, Command& chosen) {
                   "one (default: drawn by the seed)")
       ->option_text("O");
   add_object_options(command, arguments->known);
+  add_size_range_option(command, arguments->known.size_range);
   add_hand_option(command, arguments->hand);
   add_arm_option(command, arguments->arm);
   command

@@ -54,6 +54,7 @@ json estimate_json(const evaluation::Trial& trial, const std::vector<std::string
           {"object", names[trial.result.objects.best]},
           {"objects", objects_json(trial.result.objects, names)},
           {"other_object", trial.result.objects.other},
+          {"size", trial.result.objects.size},
           {"object_ok", metrics.object_ok},
           {"T_world_object", to_json(posterior.modes[0].T_frame_object)},
           {"weight", posterior.modes[0].weight},
@@ -155,9 +156,9 @@ std::string estimate_text(const evaluation::Trial& trial) {
 std::string objects_text(const evaluation::Trial& trial, const std::vector<std::string>& names) {
   const localization::ObjectProbabilities& objects = trial.result.objects;
   if (names.size() < 2 || !trial.metrics.has_pose) return "";
-  std::string text =
-      fmt::format("object: {} ({:.2f}), which is {}", names[objects.best],
-                  objects.candidates[objects.best], trial.metrics.object_ok ? "right" : "WRONG");
+  std::string text = fmt::format("object: {} ({:.2f}), which is {}", names[objects.best],
+                                 objects.probability, trial.metrics.object_ok ? "right" : "WRONG");
+  if (objects.size != 1) text += fmt::format("; {:.3f} times the size of its mesh", objects.size);
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (i != objects.best) text += fmt::format("; {} {:.2f}", names[i], objects.candidates[i]);
   }

@@ -160,6 +160,18 @@ Contacts joined(const Contacts& a, const Contacts& b) {
   return both;
 }
 
+/// Those that numpy's indexing selects. @throws IndexError as numpy does
+Contacts selected(const Contacts& contacts, nb::handle key) {
+  const nb::object numpy = nb::module_::import_("numpy");
+  const nb::object all = numpy.attr("arange")(contacts.list.size());
+  const nb::object chosen = numpy.attr("ravel")(all[key]);
+  Contacts result;
+  for (const nb::handle index : chosen) {
+    result.list.push_back(contacts.list[nb::cast<std::size_t>(nb::int_(index))]);
+  }
+  return result;
+}
+
 Contacts candidates(const Contacts& contacts) {
   Contacts result = contacts;
   for (auto& contact : result.list) contact.group = 0;
@@ -261,6 +273,9 @@ void bind_contacts(nb::module_& module) {
       .def("transformed", &moved, "T"_a,
            nb::sig("def transformed(self, T: numpy.typing.ArrayLike) -> Contacts"),
            "Moved by T_new_old (4, 4).\n\nRaises ValueError unless T is a rigid motion.")
+      .def("__getitem__", &selected, "key"_a,
+           nb::sig("def __getitem__(self, key: typing.Any) -> Contacts"),
+           "Those of an index, a slice, or an array of indices or truths, as of a numpy array.")
       .def("__add__", &joined, "other"_a)
       .def("__getstate__", &state_of)
       .def("__setstate__",

@@ -14,6 +14,7 @@
 #include "arrays.hpp"
 #include "libraries.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/plausible.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
 #include "pickle.hpp"
 #include "without_gil.hpp"
@@ -77,7 +78,7 @@ template <>
 struct Fields<geometry::KnownObject> {
   static auto of(geometry::KnownObject& it) {
     return std::tie(it.name, it.mesh, it.T_mesh_object, it.mass, it.mass_properties,
-                    it.stable_poses, it.symmetries, it.repairs);
+                    it.stable_poses, it.symmetries, it.repairs, it.size);
   }
   static void check(const geometry::KnownObject& it) {
     const double longest = geometry::bounds(it.mesh).sizes().maxCoeff();
@@ -91,6 +92,8 @@ struct Fields<geometry::KnownObject> {
 };
 
 namespace {
+
+constexpr double kLeastFactor = 0.1;  // of a size
 
 Mesh mesh_of(ge::TriangleMesh triangles) {
   return {std::make_shared<const ge::MeshQuery>(std::move(triangles))};
@@ -263,6 +266,15 @@ void bind_object(nb::module_& module) {
           "Rotations (3, 3) that keep the shape, identity first.")
       .def_ro("stable_poses", &Object::stable_poses, "On a table, most probable first.")
       .def_ro("repairs", &Object::repairs, "What was done to the file's mesh, in words.")
+      .def_ro("size", &Object::size, "Relative to the mesh that it was made of.")
+      .def(
+          "resized",
+          [](const Object& self, double factor) {
+            return ge::resized(self, plausible(factor, kLeastFactor, 1 / kLeastFactor, "factor"));
+          },
+          "factor"_a, nb::call_guard<WithoutGil>(),
+          "The same shape in another size: lengths times factor, the mass times its cube.\n\n"
+          "Raises ValueError for a factor that is not 0.1 to 10, and as load_known_object.")
       .def("__repr__", [](const Object& self) {
         const Eigen::Vector3d size = 1e3 * ge::bounds(self.mesh).sizes();
         return fmt::format("KnownObject('{}', {:.0f} x {:.0f} x {:.0f} mm, {:.3f} kg, {}, {})",
@@ -281,9 +293,7 @@ void bind_object(nb::module_& module) {
   module.def(
       "make_known_object",
       [](const std::string& name, const Mesh& mesh, double mass) {
-        if (!(mass >= 0 && std::isfinite(mass))) {
-          throw BadInput(fmt::format("mass is {} kg", mass));
-        }
+        plausible(mass, 0, kMaxMass, "mass in kg");
         return ge::make_known_object(name, mesh.triangles(), mass);
       },
       "name"_a, "mesh"_a, nb::kw_only(), "mass"_a = 0.0, nb::call_guard<WithoutGil>(),

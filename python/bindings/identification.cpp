@@ -16,6 +16,7 @@
 #include "localization_fields.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/option_check.hpp"
+#include "palpate/localization/sizes.hpp"
 #include "without_gil.hpp"
 
 namespace palpate::python {
@@ -30,13 +31,28 @@ struct Identification {
   std::vector<Posterior> posteriors;  ///< weights times the object's probability
 
   [[nodiscard]] bool explained() const { return objects.candidates.at(objects.best) > 0; }
+
+  /// Of the most probable shape, in any size.
+  [[nodiscard]] Posterior posterior() const {
+    std::vector<lo::Posterior> found;
+    for (const Posterior& one : posteriors) found.push_back(one.found);
+    return {lo::pooled(candidates_of(posteriors), objects, found), posteriors[objects.best].model};
+  }
+
+  static lo::SizedCandidates candidates_of(const std::vector<Posterior>& posteriors) {
+    lo::SizedCandidates candidates;
+    for (const Posterior& one : posteriors) candidates.push_back(&one.model->object());
+    return candidates;
+  }
 };
 
 }  // namespace
 
 template <>
 struct Fields<lo::ObjectProbabilities> {
-  static auto of(lo::ObjectProbabilities& it) { return std::tie(it.candidates, it.other, it.best); }
+  static auto of(lo::ObjectProbabilities& it) {
+    return std::tie(it.candidates, it.other, it.best, it.probability, it.size);
+  }
 };
 template <>
 struct Fields<Identification> {
@@ -84,6 +100,7 @@ Identification search(const std::vector<SharedModel>& models, const lo::Evidence
         {lo::weighted(std::move(hypotheses[i].posterior), result.objects.candidates[i]),
          models[i]});
   }
+  lo::choose_shape(Identification::candidates_of(result.posteriors), result.objects);
   return result;
 }
 
@@ -108,8 +125,7 @@ std::string repr(const Identification& self) {
   if (!self.explained()) return "Identification(no pose of any object explains the contacts)";
   return fmt::format("Identification('{}', probability {:.3f}, none of the {} {:.3f})",
                      self.posteriors[self.objects.best].model->object().name,
-                     self.objects.candidates[self.objects.best], self.posteriors.size(),
-                     self.objects.other);
+                     self.objects.probability, self.posteriors.size(), self.objects.other);
 }
 
 std::string html(const Identification& self) {
@@ -122,7 +138,7 @@ std::string html(const Identification& self) {
   return fmt::format(
       "<div><table><tr><th>object</th><th>probability</th></tr>{}<tr><td>none of them</td>"
       "<td>{:.3f}</td></tr></table>{}</div>",
-      rows, self.objects.other, posterior_html(self.posteriors[self.objects.best]));
+      rows, self.objects.other, posterior_html(self.posterior()));
 }
 
 void bind_result(nb::module_& module) {
@@ -144,11 +160,14 @@ void bind_result(nb::module_& module) {
             if (!self.explained()) return std::nullopt;
             return self.objects.best;
           },
-          "Index of the most probable object; None where no pose of any explains the contacts.")
+          "Index of the most probable object (of the most probable size, if some are one object "
+          "resized); None where no pose of any explains the contacts.")
       .def_prop_ro(
-          "posterior",
-          [](const Identification& self) { return self.posteriors[self.objects.best]; },
-          "Of the most probable object; its weights are times the object's probability.")
+          "size", [](const Identification& self) { return self.objects.size; },
+          "Of that object, relative to its mesh, on average over the sizes given.")
+      .def_prop_ro("posterior", &Identification::posterior,
+                   "Of the most probable object, in any size; its weights are times the object's "
+                   "probability.")
       .def_ro("posteriors", &Identification::posteriors,
               "Of each object, their weights times the object's probability.")
       .def("__repr__", &repr)

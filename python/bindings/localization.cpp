@@ -16,6 +16,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/option_check.hpp"
 #include "palpate/core/plausible.hpp"
+#include "palpate/localization/information/next_touch.hpp"
 #include "palpate/localization/pose_prior.hpp"
 #include "palpate/localization/tracking/tracker.hpp"
 #include "shared_model.hpp"
@@ -27,6 +28,7 @@ namespace {
 namespace lo = localization;
 using namespace nb::literals;
 
+constexpr int kMostSamples = 1'000'000;
 constexpr double kLeast = std::numeric_limits<double>::min();  // that is positive
 
 void check_length(const char* what, double value, double least) {
@@ -156,6 +158,21 @@ void bind_mode(nb::module_& module) {
       .def("__repr__", [](const Mode& self) { return repr(self); });
 }
 
+nb::object sample(const Posterior& posterior, int count, std::uint64_t seed) {
+  if (count < 1 || count > kMostSamples) {
+    throw BadInput(fmt::format("count is {}, not 1 to {}", count, kMostSamples));
+  }
+  if (posterior.found.modes.empty()) throw BadInput("no pose explains the contacts: no samples");
+  RandomStream random(seed, "sample");
+  Matrix poses(4 * count, 4);
+  Eigen::Index row = 0;
+  for (const auto& T : lo::draw_poses(posterior.found, count, random)) {
+    poses.middleRows<4>(row) = T.matrix();
+    row += 4;
+  }
+  return nb::cast(std::move(poses)).attr("reshape")(count, 4, 4);
+}
+
 void bind_posterior(nb::module_& module) {
   nb::class_<Posterior> posterior(module, "Posterior",
                                   "What is known of the object's pose: modes, heaviest first.");
@@ -203,6 +220,13 @@ void bind_posterior(nb::module_& module) {
           "truth"_a, nb::sig("def covers(self, truth: numpy.typing.ArrayLike) -> bool"),
           "Whether the truth (4, 4), T_frame_object, is within 5 deg and 10 mm of the smallest "
           "set of modes that holds 95 %.\n\nRaises ValueError unless the truth is a pose.")
+      .def("sample", &sample, "count"_a, nb::kw_only(), "seed"_a = 0,
+           nb::sig("def sample(self, count: int, *, seed: int = 0) -> "
+                   "numpy.typing.NDArray[numpy.float64]"),
+           "Poses (count, 4, 4), T_frame_object, drawn from the modes by their weights: normal "
+           "about each, even along a free axis. What the modes lack of 1 (residual_mass) is in "
+           "none of them.\n\nRaises ValueError without modes and for a count that is not 1 to "
+           "1000000.")
       .def(
           "error",
           [](const Posterior& self, nb::object truth) -> std::optional<std::pair<double, double>> {

@@ -156,8 +156,9 @@ class BadInput(unittest.TestCase):
                 ("names vertices 0, 1, 1.5 of 3", lambda: palpate.Mesh(corners, [[0, 1, 1.5]])),
                 ("names vertices 0, 1, nan of 3", lambda: palpate.Mesh(corners, [[0, 1, NAN]])),
                 ("vertex 0 .* not finite", lambda: palpate.Mesh([[NAN, 0, 0]] * 3, [[0, 1, 2]])),
-                ("mass is -1 kg", lambda: palpate.make_known_object("b", mesh, mass=-1)),
-                ("mass is nan kg", lambda: palpate.make_known_object("b", mesh, mass=NAN)),
+                ("mass in kg of -1 is not in 0..1000", lambda: palpate.make_known_object("b", mesh, mass=-1)),
+                ("mass in kg of nan", lambda: palpate.make_known_object("b", mesh, mass=NAN)),
+                ("mass in kg of 1e\\+300", lambda: palpate.make_known_object("b", mesh, mass=1e300)),
             ]
         )
 

@@ -68,7 +68,7 @@ class Documentation(unittest.TestCase):
         unit = r"\b(m|mm|rad|deg|s|N|kg|kg m\^2|m\^2|m\^3|N m/rad|N m s/rad|m/s|nats?)\b"
         without = {
             "probability", "probabilities", "other", "weight", "weights", "residual_mass",
-            "credible_mass", "scale",
+            "credible_mass", "scale", "size",
             "false_alarms", "false_inliers", "stretch", "direction", "normal", "R_table_object",
             "symmetries"}  # fmt: skip
         poses = {"T_frame_object", "T_world_mount", "T_parent_link", "T_target_source", "residual_set"}

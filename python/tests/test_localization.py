@@ -52,6 +52,24 @@ class Localization(unittest.TestCase):
         self.assertLess(np.degrees(rotation), 5)
         self.assertLess(translation, 0.010)
 
+    def test_samples_are_spread_as_the_mode_says(self):
+        posterior = palpate.localize(self.model, self.contacts)
+        samples = posterior.sample(4000, seed=3)
+        self.assertEqual(samples.shape, (4000, 4, 4))
+        np.testing.assert_array_equal(samples, posterior.sample(4000, seed=3))
+        self.assertFalse(np.array_equal(samples, posterior.sample(4000, seed=4)))
+        np.testing.assert_allclose(samples[:, 3], np.tile([0, 0, 0, 1], (4000, 1)))
+        best = posterior.best
+        self.assertGreater(best.weight, 0.99)
+        places = samples[:, :3, 3] - best.T_frame_object[:3, 3]
+        near = places[np.linalg.norm(places, axis=1) < 0.02]
+        self.assertGreater(len(near), 0.98 * 4000)
+        deviations = np.sqrt(np.diag(best.covariance)[3:])
+        np.testing.assert_allclose(near.std(axis=0), deviations, rtol=0.1)
+        for count in (0, -1, 10**7):
+            with self.assertRaisesRegex(ValueError, "count is"):
+                posterior.sample(count)
+
     def test_pose_error_is_modulo_symmetry(self):
         half_turn = self.truth @ np.diag([1.0, -1, -1, 1])
         half_turn[:3, 3] += [0.003, 0, -0.004]
@@ -168,6 +186,8 @@ class Localization(unittest.TestCase):
     def test_no_pose_is_a_status(self):
         posterior = palpate.localize(self.model, palpate.Contacts(np.empty((0, 3))))
         self.assertEqual((posterior.status, posterior.best, posterior.modes), ("no_pose", None, []))
+        with self.assertRaisesRegex(ValueError, "no pose"):
+            posterior.sample(1)
 
     def test_tracker_follows_a_shift(self):
         start = palpate.localize(self.model, self.contacts)

@@ -72,6 +72,17 @@ class Contacts(unittest.TestCase):
         np.testing.assert_array_equal(contacts.normals, [[0, 0, 1], [np.nan] * 3])
         self.assertEqual(len(contacts), 2)
 
+    def test_is_indexed_as_an_array(self):
+        contacts = palpate.Contacts(np.arange(15).reshape(5, 3) / 100, point_sigma=np.arange(1, 6) / 1e3)
+        for key in (2, -1, slice(1, 4), slice(None, None, -2), [4, 0], np.arange(5) % 2 == 0, []):
+            part = contacts[key]
+            np.testing.assert_array_equal(part.points, np.atleast_2d(contacts.points[key]).reshape(-1, 3))
+            np.testing.assert_array_equal(part.point_sigma, np.ravel(contacts.point_sigma[key]))
+        self.assertEqual([len(contact) for contact in contacts], [1] * 5)
+        for key in (5, -6, [7], "x"):
+            with self.assertRaises(IndexError):
+                contacts[key]
+
     def test_height_map_of_a_ball(self):
         radius, press, pixel = 0.02, 0.001, 5e-5
         y, x = (np.indices((240, 320)).T - [119.5, 159.5]).T * pixel

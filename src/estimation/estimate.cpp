@@ -13,6 +13,7 @@
 #include "estimation/tracked_pose.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/estimation/height_probe.hpp"
+#include "palpate/localization/sizes.hpp"
 
 namespace palpate::estimation {
 namespace {
@@ -35,6 +36,12 @@ double lightest(const Candidates& candidates) {
   double mass = std::numeric_limits<double>::infinity();
   for (const auto* candidate : candidates) mass = std::min(mass, candidate->object().mass);
   return mass;
+}
+
+localization::SizedCandidates objects_of(const Candidates& candidates) {
+  localization::SizedCandidates objects;
+  for (const auto* candidate : candidates) objects.push_back(&candidate->object());
+  return objects;
 }
 
 /// Latest reading of a kind since the hand let go for good.
@@ -210,21 +217,23 @@ std::vector<localization::Posterior> PoseEstimator::posteriors() const {
 }
 
 /// Weighs the candidates against each other.
-/// @return of the most probable one
+/// @return of the most probable shape
 localization::Posterior PoseEstimator::conclude(const Hypotheses& hypotheses) {
   last_ = hypotheses;
   if (one()) {
     probabilities_.candidates = {1};
+    probabilities_.probability = 1;
     return last_.front().posterior;
   }
-  const auto probabilities = localization::object_probabilities(last_, options_.identify);
+  const localization::SizedCandidates objects = objects_of(candidates_);
+  auto probabilities = localization::object_probabilities(last_, options_.identify);
+  localization::choose_shape(objects, probabilities);
   const bool explained = probabilities.candidates[probabilities.best] > 0;
   if (explained) probabilities_ = probabilities;
   for (std::size_t i = 0; explained && i < last_.size(); ++i) {
     ruled_out_[i] = probabilities_.candidates[i] < kRuledOut;
   }
-  const std::size_t best = probabilities_.best;
-  return localization::weighted(last_[best].posterior, probabilities_.candidates[best]);
+  return localization::pooled(objects, probabilities_, posteriors());
 }
 
 localization::Posterior PoseEstimator::resting(const hand::Description& hand, const EventLog& log) {
@@ -286,7 +295,7 @@ HeldPoseEstimate PoseEstimator::held(const hand::Description& hand, const EventL
   const std::size_t best = probabilities_.best;
   if (closed && log.hangs_at(*at) && has_pose(before_lift_[best])) {
     compare_with_tracked({*candidates_[best], hand, log, *closed_at_, *at, options_, seed_},
-                         before_lift_[best].posterior, probabilities_.candidates[best],
+                         before_lift_[best].posterior, probabilities_.probability,
                          estimate.posterior);
   }
   for (auto& contact : estimate.contacts) transform(T_world_mount, contact);

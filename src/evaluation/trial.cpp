@@ -70,8 +70,8 @@ void check_candidates(const geometry::ObjectModel& object, const estimation::Can
 void identify(const geometry::ObjectModel& object, const estimation::Candidates& candidates,
               const localization::ObjectProbabilities& objects, TrialMetrics& metrics) {
   if (!metrics.has_pose) return;
-  metrics.object_ok = candidates[objects.best] == &object;
-  metrics.object_probability = objects.candidates[objects.best];
+  metrics.object_ok = geometry::is_same_shape(candidates[objects.best]->object(), object.object());
+  metrics.object_probability = objects.probability;
   metrics.other_probability = objects.other;
   if (metrics.object_ok) return;
   metrics.pose_ok = metrics.pose_tight = metrics.covered = metrics.pose_ok_tracked = false;

@@ -179,6 +179,7 @@ ObjectProbabilities object_probabilities(const std::vector<ObjectHypothesis>& hy
   result.best = static_cast<std::size_t>(
       std::max_element(result.candidates.begin(), result.candidates.end()) -
       result.candidates.begin());
+  result.probability = result.candidates[result.best];
   return result;
 }
 

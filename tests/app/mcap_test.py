@@ -24,6 +24,11 @@ except ImportError:
 LAYOUT = pathlib.Path(__file__).resolve().parents[2] / "configs" / "foxglove.json"
 POINT_STEP = 44  # bytes: eleven 32-bit floats
 NS = 1e-9
+TOPICS = {"/joint_states": "/robot/joints", "/tf": "/robot/tf", "/tf_static": "/robot/tf_static",
+          "/wrench": "/robot/load", "/actuator_states": "/robot/efforts"}  # of the foreign bag
+FOREIGN = ["--object", "box", "--hand", "shadow", "--joint-states", "/robot/joints",
+           "--contacts", "/touch", "--tf", "/robot/tf", "--wrench", "/robot/load",
+           "--actuator-states", "/robot/efforts", "--mount-frame", "wrist"]  # fmt: skip
 
 
 def stamp(message):
@@ -143,7 +148,7 @@ class Export(PickTest):
         self.addCleanup((self.folder / "again.mcap").unlink)
         self.assertEqual((self.folder / "again.mcap").read_bytes(), self.path.read_bytes())
 
-    def foreign(self, compression, joints="/robot/joints", prefix="/touch"):
+    def foreign(self, compression):
         """The same hand as somebody else's writer, names and frames have it."""
         path = self.folder / "foreign.mcap"
         self.addCleanup(path.unlink, missing_ok=True)
@@ -156,10 +161,8 @@ class Export(PickTest):
                     continue
                 if schema.name not in schemas:
                     schemas[schema.name] = writer.register_msgdef(schema.name, schema.data.decode())
-                if topic == "/joint_states":
-                    topic = joints
-                topic = topic.replace("/contacts", prefix)
-                if topic == "/tf":
+                topic = TOPICS.get(topic, topic).replace("/contacts", "/touch")
+                if channel.topic == "/tf":
                     for transform in message.transforms:
                         transform.header.frame_id = transform.header.frame_id.replace("mount", "wrist")
                         transform.child_frame_id = transform.child_frame_id.replace("mount", "wrist")
@@ -169,11 +172,9 @@ class Export(PickTest):
 
     def test_replay_of_somebody_elses_bag(self):
         name = self.foreign(mcap.writer.CompressionType.NONE)
-        arguments = ["--object", "box", "--hand", "shadow", "--joint-states", "/robot/joints",
-                     "--contacts", "/touch", "--mount-frame", "wrist"]  # fmt: skip
-        answer = self.run_json("replay", name, *arguments)
+        answer = self.run_json("replay", name, *FOREIGN)
         self.assertGreater(len(answer["modes"]), 0)
-        again = self.run_json("replay", name, *arguments)
+        again = self.run_json("replay", name, *FOREIGN)
         self.assertEqual(answer["modes"], again["modes"])
         held = self.replayed["modes"][0]["T_world_object"]
         nearest = min(math.dist([mode["T_world_object"][i] for i in (3, 7, 11)],
@@ -181,11 +182,12 @@ class Export(PickTest):
         # Contacts at one instant alone: it is in the hand, at one of the poses that fit.
         self.assertLess(nearest, 0.08)
 
+        without = [word for word in FOREIGN if word not in ("--tf", "/robot/tf")]
+        self.assert_refused(BAD_INPUT, ["replay", name, *without], "wrist")
+
     def test_a_folder_of_ros2_bag_record_is_read_in_the_order_of_its_numbers(self):
         name = self.foreign(mcap.writer.CompressionType.NONE)
-        arguments = ["--object", "box", "--hand", "shadow", "--joint-states", "/robot/joints",
-                     "--contacts", "/touch", "--mount-frame", "wrist"]  # fmt: skip
-        whole = self.run_json("replay", name, *arguments)
+        whole = self.run_json("replay", name, *FOREIGN)
         bag = self.folder / "bag"
         bag.mkdir()
         self.addCleanup(shutil.rmtree, bag)
@@ -203,7 +205,7 @@ class Export(PickTest):
                     writer.add_message(known[channel.topic], message.log_time, message.data,
                                        message.publish_time)  # fmt: skip
                 writer.finish()
-        split = self.run_json("replay", "bag", *arguments)
+        split = self.run_json("replay", "bag", *FOREIGN)
         self.assertEqual((split["modes"], split["messages"]), (whole["modes"], whole["messages"]))
 
     def test_bags_that_are_no_mcap_are_refused_with_what_converts_them(self):
@@ -217,19 +219,17 @@ class Export(PickTest):
         self.assert_refused(BAD_INPUT, ["replay", "none", "--object", "box"], "recording.h5", "*.mcap")
 
     def test_compressed_chunks_are_read_like_others(self):
-        arguments = ["--object", "box", "--hand", "shadow", "--joint-states", "/robot/joints",
-                     "--contacts", "/touch", "--mount-frame", "wrist"]  # fmt: skip
         answers = []
         for compression in ("NONE", "ZSTD", "LZ4"):
             name = self.foreign(getattr(mcap.writer.CompressionType, compression))
-            answers.append(self.run_json("replay", name, *arguments))
+            answers.append(self.run_json("replay", name, *FOREIGN))
             (self.folder / name).rename(self.folder / "kept.mcap")
         self.assertEqual(answers[0]["modes"], answers[1]["modes"])
         self.assertEqual(answers[0]["modes"], answers[2]["modes"])
         damaged = bytearray((self.folder / "kept.mcap").read_bytes())
         damaged[len(damaged) // 3] ^= 0x55
         (self.folder / "kept.mcap").write_bytes(damaged)
-        self.assert_refused(BAD_INPUT, ["replay", "kept.mcap", *arguments], "kept.mcap")
+        self.assert_refused(BAD_INPUT, ["replay", "kept.mcap", *FOREIGN], "kept.mcap")
 
     def test_an_export_is_small(self):
         sizes = [(self.folder / name).stat().st_size for name in ("box.mcap", "run/recording.h5")]

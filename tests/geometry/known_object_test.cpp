@@ -129,6 +129,43 @@ TEST_F(KnownObjectFile, SizesThatAHandCannotHoldAreRefused) {
   EXPECT_EQ(complaint(file_of(with_stray)), "accepted");
 }
 
+TEST_F(KnownObjectFile, ASizeAfterItsNameIsThatOfALargerOrSmallerMesh) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = Eigen::Vector3d(0.05, -0.02, 0.1);
+  const TriangleMesh mesh = transformed(T, bracket_mesh());
+  TriangleMesh larger = mesh;
+  for (auto& vertex : larger.vertices) vertex *= 1.2;
+  const KnownObject made = make_known_object("thing", larger, 0);
+  const KnownObject resized = load_known_object(file_of(mesh) + "@1.2");
+  EXPECT_EQ(resized.name, "thing");
+  EXPECT_EQ(resized.size, 1.2);
+  EXPECT_LT((resized.T_mesh_object.matrix() - made.T_mesh_object.matrix()).norm(), 1e-9);
+  EXPECT_LT((bounds(resized.mesh).sizes() - bounds(made.mesh).sizes()).norm(), 1e-9);
+  EXPECT_NEAR(resized.mass_properties.volume, made.mass_properties.volume, 1e-12);
+  EXPECT_EQ(resized.symmetries.size(), made.symmetries.size());
+  ASSERT_EQ(resized.stable_poses.size(), made.stable_poses.size());
+  EXPECT_NEAR(resized.stable_poses[0].height, made.stable_poses[0].height, 1e-6);
+  EXPECT_NEAR(resized.mass, 1.728 * load_known_object(file_of(mesh)).mass, 1e-9);
+  EXPECT_TRUE(is_same_shape(resized, load_known_object(file_of(mesh))));
+  EXPECT_FALSE(is_same_shape(resized, load_known_object("bracket")));
+}
+
+TEST_F(KnownObjectFile, WhatIsNoSizeStaysInTheName) {
+  EXPECT_EQ(sized_name("mug@0.95").name, "mug");
+  EXPECT_EQ(sized_name("mug@0.95").size, 0.95);
+  EXPECT_EQ(sized_name("mug@1").name, "mug");
+  EXPECT_EQ(sized_name("me@home").name, "me@home");
+  EXPECT_EQ(sized_name("mug@0.95x").name, "mug@0.95x");
+  const std::string file = file_of(bracket_mesh());
+  const std::string with_at = file + "@2";
+  std::filesystem::copy_file(file, with_at);
+  EXPECT_EQ(sized_name(with_at).name, with_at);
+  EXPECT_TRUE(contains(complaint("mug@0.01"), "0.01"));
+  EXPECT_TRUE(contains(complaint("mug@nan"), "nan"));
+  EXPECT_TRUE(contains(complaint("mug@9"), "10 to 400 mm"));
+  EXPECT_TRUE(contains(complaint("mugg@0.9"), "did you mean 'mug'"));
+}
+
 TEST_F(KnownObjectFile, AMeshThatCannotBeRepairedIsNamed) {
   TriangleMesh triangle;
   triangle.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}};

@@ -107,7 +107,7 @@ using Candidates = std::vector<const geometry::ObjectModel*>;
 /// Estimates an object's pose from what a hand has sensed, and from nothing else. Where it may be
 /// one of several objects, the estimate is the posterior of the most probable one, its weights
 /// times the probability that it is that object: all that the poses lack of 1 is elsewhere or of
-/// others.
+/// others. Candidates that are one shape in several sizes count as one object of unknown size.
 class PoseEstimator {
  public:
   /// @param object  kept by reference

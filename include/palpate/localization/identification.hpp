@@ -48,6 +48,9 @@ struct ObjectProbabilities {
   std::vector<double> candidates;  ///< one each; with `other` they sum to 1
   double other = 0;                ///< that it is none of them
   std::size_t best = 0;            ///< index of the most probable
+  /// That it is the best one, and its size relative to its mesh; where candidates are sizes of one
+  /// shape, that it is that shape in any size, and its mean size (choose_shape()).
+  double probability = 0, size = 1;
 };
 
 /// @return all 0 where no pose of any candidate explains the evidence

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <limits>
 
@@ -12,6 +13,7 @@
 #include "geometry/objects/symmetry.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
+#include "palpate/core/plausible.hpp"
 #include "palpate/core/spelling.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
 #include "palpate/geometry/objects/generated_shape.hpp"
@@ -21,6 +23,7 @@
 namespace palpate::geometry {
 namespace {
 
+constexpr double kLeastFactor = 0.1;                   // of a size after @
 constexpr double kSmallest = 0.010, kLargest = 0.400;  // m, of the longest side
 constexpr double kDensity = 300;                       // kg/m^3, of a file's mesh
 constexpr double kLightest = 0.05, kHeaviest = 0.6;    // kg, of a file's mesh
@@ -131,7 +134,38 @@ KnownObject make_known_object(const std::string& name, const TriangleMesh& mesh,
   return object;
 }
 
+KnownObject resized(KnownObject object, double factor) {
+  for (auto& vertex : object.mesh.vertices) vertex *= factor;
+  check_size(object.name, object.mesh);
+  object.T_mesh_object.translation() *= factor;
+  object.mass *= factor * factor * factor;
+  object.mass_properties = mass_properties(object.mesh, object.mass);
+  for (StablePose& stable_pose : object.stable_poses) stable_pose.height *= factor;
+  object.size *= factor;
+  return object;
+}
+
+bool is_same_shape(const KnownObject& a, const KnownObject& b) {
+  return &a == &b || (a.name == b.name && a.size != b.size);
+}
+
+SizedName sized_name(const std::string& name) {
+  const std::size_t at = name.rfind('@');
+  std::error_code unknown;  // of a name too long for a file, for one
+  if (at == std::string::npos || std::filesystem::exists(name, unknown)) return {name};
+  double size = 0;
+  const char* const begin = name.data() + at + 1;
+  const char* const end = name.data() + name.size();
+  const auto read = std::from_chars(begin, end, size);
+  if (read.ec != std::errc() || read.ptr != end) return {name};
+  return {name.substr(0, at),
+          plausible(size, kLeastFactor, 1 / kLeastFactor, "the size in " + name)};
+}
+
 KnownObject load_known_object(const std::string& name_or_file) {
+  if (const SizedName sized = sized_name(name_or_file); sized.name != name_or_file) {
+    return resized(load_known_object(sized.name), sized.size);
+  }
   if (const auto seed = generated_seed(name_or_file)) {
     return make_known_object(name_or_file, generated_shape(*seed), 0);
   }

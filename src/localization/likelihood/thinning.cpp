@@ -2,27 +2,62 @@
 #include "localization/likelihood/thinning.hpp"
 
 #include <algorithm>
-#include <array>
 #include <map>
-#include <set>
+
+#include "palpate/geometry/cloud/kd_tree.hpp"
 
 namespace palpate::localization {
 namespace {
 
 constexpr std::size_t kMaxContacts = 64;
 
-/// For each contact whether it says again, digit for digit, what one before it says: a copy, as of
-/// a reading that was written twice, which knows no more. Candidates may well be alike.
-std::vector<bool> copies_among(const std::vector<tactile::Contact>& contacts) {
-  using Values = std::array<double, 6>;
-  std::set<Values> known;
-  std::vector<bool> copies;
-  for (const tactile::Contact& contact : contacts) {
-    const Values values{contact.p.x(), contact.p.y(), contact.p.z(),
-                        contact.n.x(), contact.n.y(), contact.n.z()};
-    copies.push_back(contact.group < 0 && !known.insert(values).second);
+constexpr double kLargestRepeat = 0.001;  // m between two samples of one touch
+
+/// Which contacts share an offset with others.
+std::vector<bool> offset_contacts(const Evidence& evidence) {
+  std::vector<bool> has_offset(evidence.contacts.size(), false);
+  for (const CommonModeBias& offset : evidence.offsets) {
+    for (const auto& member : offset.members) has_offset[member.contact] = true;
   }
-  return copies;
+  return has_offset;
+}
+
+bool is_copy(const tactile::Contact& first, const tactile::Contact& second) {
+  return first.p == second.p && first.n == second.n;
+}
+
+/// Whether two contacts that are near one another may be samples of one resting touch.
+bool is_same_touch(const tactile::Contact& first, const tactile::Contact& second) {
+  if (first.finger >= 0 && second.finger >= 0 && first.finger != second.finger) return false;
+  if (first.has_normal() != second.has_normal()) return false;
+  return !first.has_normal() || (first.n - second.n).norm() < first.normal_sigma;
+}
+
+/// For each contact whether it repeats one before it, with whose errors, and so knows no more:
+/// digit for digit, or as samples of one resting touch do. Candidates may well be alike, and
+/// contacts that share an offset are of touches that are known to differ.
+std::vector<bool> repeats_among(const Evidence& evidence) {
+  const std::vector<tactile::Contact>& contacts = evidence.contacts;
+  const std::vector<bool> has_offset = offset_contacts(evidence);
+  std::vector<Eigen::Vector3d> points;
+  for (const tactile::Contact& contact : contacts) points.push_back(contact.p);
+  const geometry::KdTree places(std::move(points));
+  std::vector<bool> repeats(contacts.size(), false);
+  std::vector<geometry::Neighbour> near;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const tactile::Contact& first = contacts[i];
+    if (repeats[i] || first.group >= 0) continue;
+    places.find_within(first.p, std::min(first.point_sigma, kLargestRepeat), near);
+    for (const geometry::Neighbour& neighbour : near) {
+      const auto j = static_cast<std::size_t>(neighbour.index);
+      const tactile::Contact& second = contacts[j];
+      if (j <= i || second.group >= 0) continue;
+      const bool may_be_near = !has_offset[i] && !has_offset[j];
+      if (is_copy(first, second) || (may_be_near && is_same_touch(first, second)))
+        repeats[j] = true;
+    }
+  }
+  return repeats;
 }
 
 /// For each contact the index of what counts as one: itself, or its group.
@@ -58,7 +93,7 @@ void keep(const std::vector<bool>& is_kept, Evidence& evidence) {
 }  // namespace
 
 Evidence thinned(Evidence evidence) {
-  std::vector<bool> is_kept = copies_among(evidence.contacts);
+  std::vector<bool> is_kept = repeats_among(evidence);
   is_kept.flip();
   if (std::ranges::count(is_kept, false) > 0) keep(is_kept, evidence);
   std::size_t count = 0;

@@ -68,8 +68,8 @@ class Probing {
   PhaseEnd run(double last_start) {
     state_.next_grasp.reset();
     const double before = probability();
-    while (holds_ && &object_ == &estimator_.object() && probability() > 0 &&
-           probability() <= options_.certain && robot_.time() < last_start) {
+    while (holds_ && geometry::is_same_shape(object_.object(), estimator_.object().object()) &&
+           probability() > 0 && probability() <= options_.certain && robot_.time() < last_start) {
       const Choices next = choices();
       if (next.grasp) state_.next_grasp = next.grasp->plan;
       if (!next.touch) break;
