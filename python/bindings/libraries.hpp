@@ -43,6 +43,7 @@ void bind_clouds(nanobind::module_& module);
 void bind_contacts(nanobind::module_& module);
 void bind_sensors(nanobind::module_& module);
 void bind_normals(nanobind::module_& module);
+void bind_posterior(nanobind::module_& module);
 void bind_localization(nanobind::module_& module);
 void bind_free_space(nanobind::module_& module);
 void bind_identification(nanobind::module_& module);

@@ -39,21 +39,21 @@ TEST(Thinned, SamplesOfARestingTouchCountOnce) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(kept.contacts[i].p, evidence.contacts[100 * i].p);
 }
 
-TEST(Thinned, ASlideIsATouchPerPointSigma) {
+TEST(Thinned, ASlideIsATouchEveryTwoPointSigmas) {
   Evidence evidence;
-  for (int row = 0; row < 100; ++row) evidence.contacts.push_back(contact_at(1e-4 * row, 0, 0));
+  for (int row = 0; row < 200; ++row) evidence.contacts.push_back(contact_at(1e-4 * row, 0, 0));
   EXPECT_NEAR(static_cast<double>(count(evidence)), 10, 1);
 }
 
-TEST(Thinned, RepeatsAreNearerThanTheSmallerOfPointSigmaAndAMillimetre) {
+TEST(Thinned, RepeatsAreNearerThanTwoPointSigmasAndThreeMillimetres) {
   tactile::Contact exact = contact_at(0, 0, 0);
   exact.point_sigma = 1e-4;
   tactile::Contact coarse = contact_at(0, 0, 0);
   coarse.point_sigma = 0.02;
-  EXPECT_EQ(count(evidence_of({exact, contact_at(5e-5, 0, 0)})), 1);
-  EXPECT_EQ(count(evidence_of({exact, contact_at(2e-4, 0, 0)})), 2);
-  EXPECT_EQ(count(evidence_of({coarse, contact_at(8e-4, 0, 0)})), 1);
-  EXPECT_EQ(count(evidence_of({coarse, contact_at(2e-3, 0, 0)})), 2);
+  EXPECT_EQ(count(evidence_of({exact, contact_at(1.9e-4, 0, 0)})), 1);
+  EXPECT_EQ(count(evidence_of({exact, contact_at(2.1e-4, 0, 0)})), 2);
+  EXPECT_EQ(count(evidence_of({coarse, contact_at(2.9e-3, 0, 0)})), 1);
+  EXPECT_EQ(count(evidence_of({coarse, contact_at(3.1e-3, 0, 0)})), 2);
 }
 
 TEST(Thinned, ContactsThatDifferAreKept) {

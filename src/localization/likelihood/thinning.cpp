@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t kMaxContacts = 64;
 
-constexpr double kLargestRepeat = 0.001;  // m between two samples of one touch
+constexpr double kRepeatSigmas = 2;       // of its error, between two samples of one touch
+constexpr double kLargestRepeat = 0.003;  // m between them
 
 /// Which contacts share an offset with others.
 std::vector<bool> offset_contacts(const Evidence& evidence) {
@@ -30,7 +31,7 @@ bool is_copy(const tactile::Contact& first, const tactile::Contact& second) {
 bool is_same_touch(const tactile::Contact& first, const tactile::Contact& second) {
   if (first.finger >= 0 && second.finger >= 0 && first.finger != second.finger) return false;
   if (first.has_normal() != second.has_normal()) return false;
-  return !first.has_normal() || (first.n - second.n).norm() < first.normal_sigma;
+  return !first.has_normal() || (first.n - second.n).norm() < kRepeatSigmas * first.normal_sigma;
 }
 
 /// For each contact whether it repeats one before it, with whose errors, and so knows no more:
@@ -47,7 +48,7 @@ std::vector<bool> repeats_among(const Evidence& evidence) {
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const tactile::Contact& first = contacts[i];
     if (repeats[i] || first.group >= 0) continue;
-    places.find_within(first.p, std::min(first.point_sigma, kLargestRepeat), near);
+    places.find_within(first.p, std::min(kRepeatSigmas * first.point_sigma, kLargestRepeat), near);
     for (const geometry::Neighbour& neighbour : near) {
       const auto j = static_cast<std::size_t>(neighbour.index);
       const tactile::Contact& second = contacts[j];
