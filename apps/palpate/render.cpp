@@ -29,6 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kPictureTime = 0.1;    // s of a video
+constexpr double kMostPictures = 3000;  // of a video
 constexpr double kVideoDistance = 1.3;  // times that of a picture: the hand moves, the camera not
 
 struct RenderArguments {
@@ -230,6 +231,17 @@ recording::Recording read_drawable(const fs::path& path) {
   return recording;
 }
 
+/// @throws BadInput for a recording that is too long to be shown at that speed
+void check_video(const recording::Recording& recording, double speed) {
+  const double seconds =
+      recording.frames.back().reading.time - recording.frames.front().reading.time;
+  const double pictures = seconds / (speed * kPictureTime);
+  if (pictures <= kMostPictures) return;
+  throw BadInput(fmt::format(
+      "{:.0f} s at --speed {} are a video of {:.0f} pictures, more than {}: raise --speed", seconds,
+      speed, pictures, kMostPictures));
+}
+
 int render(const RenderArguments& arguments) {
   const fs::path folder = output_folder(arguments);
   const fs::path given = arguments.recording;
@@ -240,6 +252,7 @@ int render(const RenderArguments& arguments) {
         "view shows its estimates",
         given.string()));
   }
+  if (arguments.video || arguments.posterior) check_video(recording, arguments.speed);
   make_writable_folder(folder);
   // Beside their recording pictures are drawn again and again.
   const auto output =

@@ -204,6 +204,33 @@ class Localize(CliTest):
                                middle(plain["modes"][0]["T_contact_object"])):  # fmt: skip
             self.assertAlmostEqual(value, true, delta=0.001)
 
+    def test_the_size_of_the_object_is_estimated(self):
+        larger = [[1.08 * v for v in row[:3]] + row[3:] for row in contacts_on_box(30)]
+        self.write("contacts.csv", csv(larger))
+        command = ["localize", "box.stl", "contacts.csv", "--size-range", "0.1"]
+        answer = self.run_json(*command)
+        self.assertEqual([each["name"] for each in answer["objects"]],
+                         ["box.stl", "box.stl@0.95", "box.stl@1.05", "box.stl@0.9", "box.stl@1.1"])
+        self.assertAlmostEqual(answer["size"], 1.08, delta=0.03)
+        self.assertIn("times the size of its mesh", self.run_program(*command).stdout)
+        known = self.run_json("localize", "box.stl@1.08", "contacts.csv")
+        self.assertEqual((known["status"], known["size"]), ("certain", 1))
+        for a, b in zip(middle(answer["modes"][0]["T_contact_object"]),
+                        middle(known["modes"][0]["T_contact_object"])):  # fmt: skip
+            self.assertAlmostEqual(a, b, delta=0.01)
+
+    def test_sizes_that_cannot_be(self):
+        self.write("contacts.csv", csv(contacts_on_box(18)))
+        for code, arguments, words in [
+            (USAGE, ["box.stl", "--size-range", "0.3"], ["--size-range", "0.3"]),
+            (USAGE, ["box.stl", "--size-range", "0.1", "--method", "full"], ["--method", "one size"]),
+            (BAD_INPUT, ["box.stl@x"], ["box.stl@x"]),
+            (BAD_INPUT, ["box.stl@20"], ["box.stl@20", "0.1..10"]),
+            (BAD_INPUT, ["box.stl,box.stl@1"], ["given twice"]),
+            (BAD_INPUT, ["box.stl@5"], ["10 to 400 mm"]),
+        ]:
+            self.assert_refused(code, ["localize", arguments[0], "contacts.csv", *arguments[1:]], *words)
+
     def test_the_prior_of_another_object_is_refused(self):
         report = self.localize(contacts_on_box(18))
         self.write("box.json", json.dumps(report))

@@ -152,6 +152,8 @@ class BadInput(CliTest):
             (["box,mug", "--place", "random"], ["random", "one object"]),
             (["box", "--true-object", "mug", "--place", "random"], ["random", "mug is not box"]),
             ([f"{part},./{part}"], ["twice", f"the other time as {part}"]),
+            (["box,mug,duck", "--size-range", "0.1"], ["15 objects", "at most 10", "5 sizes"]),
+            (["box", "--size-range", "0.1", "--place", "random"], ["known size", "0.1"]),
         ]:
             self.assert_refused(BAD_INPUT, ["pick", "--object", *arguments, "--out", "new"], *words)
 
@@ -201,6 +203,15 @@ class Results(CliTest):
                       self.run_program("replay", "run").stdout)  # fmt: skip
         replayed = json.loads(self.run_program("replay", "run", "--json").stdout)
         self.assertEqual(replayed["pick_weighed"], "box,mug,bracket")
+
+    def test_which_size_it_is(self):
+        report = self.run_json("pick", "--object", "box", "--size-range", "0.05", "--true-object", "box@1.05",
+                               "--seed", "3", "--out", "run", *QUICK)  # fmt: skip
+        estimate = report["estimate"]
+        self.assertEqual([each["name"] for each in estimate["objects"]], ["box", "box@0.95", "box@1.05"])
+        self.assertTrue(estimate["object_ok"])
+        self.assertAlmostEqual(estimate["size"], 1.05, delta=0.03)
+        self.assertGreater(sum(mode["weight"] for mode in estimate["modes"]), 0.5)
 
     def test_pick_reports_and_its_recording_gives_the_same_pose(self):
         report = self.run_json("pick", "--object", "box", "--seed", "7", "--out", "run", *QUICK)

@@ -20,7 +20,6 @@ namespace palpate::simulation {
 namespace {
 
 constexpr double kDropHeight = 0.0005;  // m, above the table at the start
-constexpr double kGap = 0.02;           // m between the object and a second one
 constexpr int kSettleTicks = 1000, kStillTicks = 30;
 constexpr double kStillSpeed = 0.001;  // m/s
 constexpr double kStillSpin = 0.03;    // rad/s
@@ -89,7 +88,8 @@ void World::Impl::place_second(const Eigen::Isometry3d& T_table_object) {
   }
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = Eigen::AngleAxisd(side, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  T.translation() = T_table_object.translation() + (reach + kGap + kSecondHalf.x()) * out;
+  T.translation() =
+      T_table_object.translation() + (reach + options.second_gap + kSecondHalf.x()) * out;
   T.translation().z() = kSecondHalf.z() + kDropHeight;
   mjtNum* const position = data->qpos + scene.second_position;
   write_pose(scene.T_world_table * T, position, position + 3);

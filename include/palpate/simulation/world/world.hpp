@@ -28,6 +28,7 @@ struct WorldOptions {
   bool exact_tips = true;        ///< tips meet the true surface, the table its hull; else the parts
   bool biotacs = false;          ///< readings hold the channels of BioTacs on the fingertips
   bool second_object = false;    ///< a box that the robot does not know of stands beside the object
+  double second_gap = 0.02;      ///< m between the two
   bool corrupted_truth = false;  ///< World::truth() is wrong: whoever acts on it shows
   simulation::IntegralOptions integral;
   SensorNoise noise;
@@ -50,6 +51,7 @@ struct WorldOptions {
     v("biotacs", biotacs, "simulate the channels of BioTacs on the fingertips");
     v.expert("second_object", second_object,
              "a box that is unknown to the robot stands beside the object");
+    v.expert("second_gap", second_gap, 0.0, 0.3, "m between the object and that box");
     v.expert("corrupted_truth", corrupted_truth,
              "report a corrupted true pose, which exposes code that uses it");
     v.expert_section("integral", integral);
