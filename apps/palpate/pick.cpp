@@ -112,7 +112,10 @@ struct PickObjects {
 
 PickObjects load_pick_objects(const PickArguments& arguments) {
   PickObjects objects{load_objects(arguments.objects, arguments.known), true_index(arguments), {}};
-  if (objects.truth == arguments.objects.size()) {
+  if (objects.truth < arguments.objects.size()) return objects;
+  if (const auto* model = objects.candidates.find(arguments.true_object)) {  // another size
+    objects.truth = static_cast<std::size_t>(model - objects.candidates.models.data());
+  } else {
     objects.other.emplace(load_object(arguments.true_object, arguments.known));
   }
   return objects;
