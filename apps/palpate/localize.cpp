@@ -235,8 +235,7 @@ void print_next_of(const LocalizeArguments& arguments, const CLI::App& command,
     print_next(arguments.common, fmt::format("palpate localize {} MORE_CONTACTS --prior {}",
                                              quoted(arguments.mesh), quoted(out + "/report.json")));
   } else if (result.posterior.status != lo::PoseStatus::no_pose) {
-    const std::string folder =
-        "out/localize-" + std::filesystem::path(arguments.mesh).stem().string();
+    const std::string folder = "out/localize-" + short_name(arguments.mesh);
     print_next(arguments.common, fmt::format("{} --out {} writes report.json, which --prior reads",
                                              given_command(command), quoted(folder)));
   }

@@ -147,6 +147,11 @@ const geometry::ObjectModel* CandidateObjects::find(const std::string& name) con
   return found == names.end() ? nullptr : &models[static_cast<std::size_t>(found - names.begin())];
 }
 
+std::string short_name(const std::string& name) {
+  const std::string of_shape = geometry::sized_name(name).name;
+  return std::filesystem::path(of_shape).stem().string() + name.substr(of_shape.size());
+}
+
 bool is_same_object(const std::string& a, const std::string& b) {
   return identity_of(a) == identity_of(b);
 }

@@ -45,6 +45,10 @@ void add_object_options(CLI::App& command, ObjectArguments& arguments);
 /// @throws BadInput as geometry::load_known_object
 geometry::KnownObject load_object(const std::string& name, const ObjectArguments& arguments);
 
+/// What an object is called in the names of folders: a mesh file without its folder and ending,
+/// with the size that its name states.
+std::string short_name(const std::string& name);
+
 /// Whether two names are of the same object: the same name, or the same mesh file.
 bool is_same_object(const std::string& a, const std::string& b);
 

@@ -45,7 +45,7 @@ fs::path output_folder(const PickArguments& arguments) {
   if (!arguments.common.out.empty()) return arguments.common.out;
   std::string name;
   for (const auto& object : arguments.objects) {
-    name += fmt::format("{}{}", name.empty() ? "" : "+", fs::path(object).stem().string());
+    name += fmt::format("{}{}", name.empty() ? "" : "+", short_name(object));
   }
   return fs::path("out") / fmt::format("pick-{}-{}", name, arguments.common.seed);
 }

@@ -8,6 +8,7 @@
 #include "common.hpp"
 #include "given_command.hpp"
 #include "hand_option.hpp"
+#include "object_option.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/version.hpp"
@@ -70,8 +71,8 @@ fs::path output_folder(const RenderArguments& arguments) {
     const fs::path folder = fs::path(arguments.recording).parent_path();
     return folder.empty() ? "." : folder;
   }
-  return fs::path("out") / fmt::format("render-{}-{}", fs::path(arguments.object).stem().string(),
-                                       arguments.common.seed);
+  return fs::path("out") /
+         fmt::format("render-{}-{}", short_name(arguments.object), arguments.common.seed);
 }
 
 /// Picks the object up and records it. Whether that succeeds does not matter to a picture.

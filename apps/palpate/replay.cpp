@@ -51,11 +51,14 @@ std::string comment_of(const std::string& config, const std::string& begin) {
 std::string weighed_by_pick(const recording::RecordingHeader& header) {
   const std::string names = comment_of(header.config_toml, "object");
   const std::string truth = comment_of(header.config_toml, "true object");
-  const bool several = names.find(',') != std::string::npos;
+  const std::string range = comment_of(header.config_toml, "size range");
+  const std::string shape = geometry::sized_name(names).name;
+  const bool several = names.find(',') != std::string::npos || !range.empty();
   const bool of_it =
-      header.object.name == names || header.object.name == std::filesystem::path(names).stem();
+      header.object.name == shape || header.object.name == std::filesystem::path(shape).stem();
   const bool of_another_file = !truth.empty() && !is_same_object(names, truth);
-  return several || !of_it || of_another_file ? names : "";
+  if (!several && of_it && !of_another_file) return "";
+  return range.empty() ? names : fmt::format("{} with --size-range {}", names, range);
 }
 
 /// Options of the recording, changed by --config and --set.

@@ -212,6 +212,8 @@ class Results(CliTest):
         self.assertTrue(estimate["object_ok"])
         self.assertAlmostEqual(estimate["size"], 1.05, delta=0.03)
         self.assertGreater(sum(mode["weight"] for mode in estimate["modes"]), 0.5)
+        self.assertIn("the pick weighed box with --size-range 0.05\n",
+                      self.run_program("replay", "run").stdout)  # fmt: skip
 
     def test_pick_reports_and_its_recording_gives_the_same_pose(self):
         report = self.run_json("pick", "--object", "box", "--seed", "7", "--out", "run", *QUICK)
