@@ -10,6 +10,7 @@
 #include "palpate/core/file.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/core/statistics.hpp"
+#include "palpate/geometry/objects/known_object.hpp"
 #include "palpate/localization/contacts_io.hpp"
 #include "palpate/localization/pose_prior.hpp"
 #include "palpate/recording/json_text.hpp"
@@ -54,11 +55,14 @@ lo::Mode mode_of(const nlohmann::json& entry, const Eigen::Isometry3d& T_mesh_ob
   return mode;
 }
 
-/// Of the object that a report names best, among several candidates; one of the single one.
+/// Of the object that a report names best, in any size, among several candidates; one of the single
+/// one.
 double object_probability(const nlohmann::json& report, const std::string& object) {
-  double probability = 1;
+  const std::string shape = geometry::sized_name(object).name;
+  double probability = 0;
   for (const auto& candidate : report.value("objects", nlohmann::json::array())) {
-    if (candidate.at("name") == object) probability = candidate.at("probability").get<double>();
+    if (geometry::sized_name(candidate.at("name").get<std::string>()).name != shape) continue;
+    probability += candidate.at("probability").get<double>();
   }
   return probability > 0 ? probability : 1;
 }

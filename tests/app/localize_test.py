@@ -213,6 +213,9 @@ class Localize(CliTest):
                          ["box.stl", "box.stl@0.95", "box.stl@1.05", "box.stl@0.9", "box.stl@1.1"])
         self.assertAlmostEqual(answer["size"], 1.08, delta=0.03)
         self.assertIn("times the size of its mesh", self.run_program(*command).stdout)
+        self.write("before.json", json.dumps(answer))
+        after = self.run_json("localize", answer["object"], "contacts.csv", "--prior", "before.json")
+        self.assertNotEqual(after["status"], "no_pose")
         known = self.run_json("localize", "box.stl@1.08", "contacts.csv")
         self.assertEqual((known["status"], known["size"]), ("certain", 1))
         for a, b in zip(middle(answer["modes"][0]["T_contact_object"]),
