@@ -3,8 +3,10 @@
 
 import os
 import pathlib
+import subprocess
 
-from cli import BAD_INPUT, USAGE, CliTest, main
+import cli
+from cli import BAD_INPUT, DONE, USAGE, CliTest, main
 
 NO_HAND = '<mujoco><worldbody><body name="palm"><geom size="0.1"/></body></worldbody></mujoco>'
 
@@ -80,6 +82,15 @@ class Hand(CliTest):
     def test_a_hand_is_installed_by_its_name_only(self):
         self.assertIn("no hand named 'nobody'", self.refused("hand", "install", "nobody"))
         self.assertEqual(self.run_program("hand", "install").returncode, USAGE)
+
+    def test_without_a_folder_for_the_cache_nothing_is_installed(self):
+        nowhere = {name: value for name, value in os.environ.items()
+                   if name not in ("HOME", "XDG_CACHE_HOME", "PALPATE_CACHE", "PALPATE_HANDS")}  # fmt: skip
+        for command in (["install", "allegro"], ["list"]):
+            done = subprocess.run([cli.PROGRAM, "hand", *command], cwd=self.folder, env=nowhere,
+                                  capture_output=True, text=True, timeout=60)  # fmt: skip
+            self.assertEqual(done.returncode, BAD_INPUT if command[0] == "install" else DONE, done.stderr)
+        self.assertFalse((self.folder / "hands").exists())
 
 
 if __name__ == "__main__":

