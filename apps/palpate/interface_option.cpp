@@ -23,7 +23,8 @@ std::vector<CLI::Option*> add_interface_options(CLI::App& command,
                             interface.tf_static = topic + "_static";
                           },
                           "topic of the transforms; the static ones' is its name and _static")
-                      ->option_text("TOPIC [/tf]"));
+                      ->option_text("TOPIC")
+                      ->default_str(interface.tf));
   add("--contacts", interface.contacts, "TOPIC",
       "prefix of the contact topics; the finger's name follows");
   add("--fingertip-wrenches", interface.fingertip_wrenches, "TOPIC",

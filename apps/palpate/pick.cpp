@@ -290,6 +290,7 @@ void add_pick(CLI::App& program, Command& chosen) {
       "  palpate pick --object duck --explore 16\n"
       "  palpate pick --object mug,box,bottle --seed 7\n"
       "  palpate pick --object mug,box,bottle --true-object bracket --seed 7\n"
+      "  palpate pick --object mug --size-range 0.1 --true-object mug@1.07 --seed 7\n"
       "  palpate pick --hand my_hand.xml --object box\n"
       "  palpate pick --arm ur10 --object box --seed 7\n"
       "  palpate pick --object part.stl --set lift.height=0.15 --out run1 --json\n"
