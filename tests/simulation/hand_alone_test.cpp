@@ -232,5 +232,18 @@ TEST(HandMeshes, AMissingOneOfAPackageIsNamed) {
   }
 }
 
+TEST(HandMeshes, ANameOfManyLinesIsShownInOneShortOne) {
+  const std::string name = "package://ability/&#10;" + std::string(60'000, 'x') + ".stl";
+  try {
+    (void)describe_hand(write_hand("long.urdf", with_mesh(name)));
+    FAIL();
+  } catch (const BadInput& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("ability/"), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    EXPECT_LT(message.size(), 2000) << message;
+  }
+}
+
 }  // namespace
 }  // namespace palpate::simulation

@@ -12,6 +12,7 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/geometry/io/mesh_io.hpp"
+#include "simulation/hand/warnings.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -23,6 +24,13 @@ constexpr std::string_view kScheme = "://";
 bool is_file(const fs::path& path) {
   std::error_code error;
   return fs::is_regular_file(path, error);
+}
+
+/// A name from the file as a message shows it.
+std::string shown(const fs::path& path) {
+  constexpr std::size_t kMost = 120;
+  const std::string text = one_line(path.string());
+  return text.size() > kMost ? text.substr(0, kMost) + "..." : text;
 }
 
 /// A mesh of a package (PACKAGE/PATH), in the package's folder or else beside the file.
@@ -41,8 +49,8 @@ fs::path in_package(const fs::path& mesh, const fs::path& file) {
   throw BadInput(fmt::format(
       "cannot read the hand {}: the mesh {} is neither in a folder {} from {} upwards, nor there "
       "as {}, {} or meshes/{}",
-      file.string(), mesh.string(), package.string(), folder.string(), within.string(),
-      mesh.filename().string(), mesh.filename().string()));
+      file.string(), shown(mesh), shown(package), folder.string(), shown(within),
+      shown(mesh.filename()), shown(mesh.filename())));
 }
 
 /// Where a mesh is. The simulator looks for names without a scheme in the same places.
