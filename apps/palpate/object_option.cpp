@@ -125,9 +125,10 @@ std::vector<geometry::ObjectModel> load_models(const std::vector<std::string>& n
   for (const std::string& name : names) models.emplace_back(load_object(name, arguments));
   for (std::size_t j = 1; j < names.size(); ++j) {
     for (std::size_t i = 0; i < j; ++i) {
-      if (!geometry::is_same_shape(models[i].object(), models[j].object()) ||
-          is_same_object(geometry::sized_name(names[i]).name, geometry::sized_name(names[j]).name))
-        continue;
+      const bool is_taken_for_one = geometry::is_same_shape(models[i].object(), models[j].object());
+      const bool is_one =
+          is_same_object(geometry::sized_name(names[i]).name, geometry::sized_name(names[j]).name);
+      if (!is_taken_for_one || is_one) continue;
       throw BadInput(fmt::format("{} and {} would be sizes of one object, as both are called {}",
                                  names[i], names[j], models[i].object().name));
     }

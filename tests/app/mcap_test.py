@@ -238,6 +238,10 @@ class Export(PickTest):
         self.assertEqual({chunk.compression for chunk in chunks}, {"zstd"})
         self.assertLess(sizes[0], sizes[1])
 
+    def test_a_video_of_too_many_pictures_is_refused(self):
+        self.assert_refused(BAD_INPUT, ["render", "run/recording.h5", "--video", "--speed", "0.1"], "raise --speed")
+        self.assertFalse((self.folder / "run/video.png").exists())
+
     def test_what_cannot_be_replayed_is_named(self):
         self.assert_refused(BAD_INPUT, ["replay", "box.mcap", "--mount-frame", "elsewhere", "--quiet"],
                             "elsewhere", "/joint_states")

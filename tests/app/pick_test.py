@@ -145,6 +145,8 @@ class BadInput(CliTest):
     def test_candidates_that_cannot_be(self):
         many = ",".join(f"generated:{seed}" for seed in range(11))
         part = self.write("part.stl", box_stl(0.06, 0.05, 0.08))
+        (self.folder / "other").mkdir()
+        self.write("other/part.stl", box_stl(0.05, 0.04, 0.09))
         for arguments, words in [
             ([many], ["11 objects", "at most 10"]),
             (["box,mug,box"], ["box", "twice"]),
@@ -154,6 +156,7 @@ class BadInput(CliTest):
             ([f"{part},./{part}"], ["twice", f"the other time as {part}"]),
             (["box,mug,duck", "--size-range", "0.1"], ["15 objects", "at most 10", "5 sizes"]),
             (["box", "--size-range", "0.1", "--place", "random"], ["known size", "0.1"]),
+            ([f"{part},other/part.stl@1.1"], ["sizes of one object", "both are called part"]),
         ]:
             self.assert_refused(BAD_INPUT, ["pick", "--object", *arguments, "--out", "new"], *words)
 

@@ -34,9 +34,9 @@ bool is_same_touch(const tactile::Contact& first, const tactile::Contact& second
   return !first.has_normal() || (first.n - second.n).norm() < kRepeatSigmas * first.normal_sigma;
 }
 
-/// For each contact whether it repeats one before it, with whose errors, and so knows no more:
-/// digit for digit, or as samples of one resting touch do. Candidates may well be alike, and
-/// contacts that share an offset are of touches that are known to differ.
+/// For each contact whether it repeats an earlier one, whose errors it has, so that it adds
+/// nothing: digit for digit, or as samples of one resting touch do. Candidates of a group may be
+/// alike, and contacts with an offset are of touches that are known to differ.
 std::vector<bool> repeats_among(const Evidence& evidence) {
   const std::vector<tactile::Contact>& contacts = evidence.contacts;
   const std::vector<bool> has_offset = offset_contacts(evidence);

