@@ -221,8 +221,11 @@ int pick(const PickArguments& arguments) {
   const fs::path folder = output_folder(arguments);
   const OutputFolder output(folder, {"recording.h5", "config.toml", "report.json", "replay.html"},
                             common.force);
-  const auto title = fmt::format("palpate pick --object {} --seed {}{}", names, common.seed,
-                                 arguments.place.empty() ? "" : " --place " + arguments.place);
+  const double size_range = arguments.known.size_range;
+  const auto title =
+      fmt::format("palpate pick --object {}{} --seed {}{}", names,
+                  size_range > 0 ? fmt::format(" --size-range {}", size_range) : "", common.seed,
+                  arguments.place.empty() ? "" : " --place " + arguments.place);
   PickRecording recording(folder / "recording.h5", header,
                           live ? live->begin(header, title) : nullptr);
   if (objects.known() && !arguments.no_belief) {
