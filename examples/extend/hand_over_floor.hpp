@@ -33,15 +33,15 @@ class HandOverFloor : public Hand {
       const Finger& finger = model_.fingers[i];
       const Eigen::Isometry3d T_world_link =
           command.mount.pose() * links[static_cast<std::size_t>(finger.link)];
-      sense(finger.tip, T_world_link, reading.contacts[i]);
+      sense_floor(finger.tip, T_world_link, reading.contacts[i]);
     }
     return reading;
   }
 
  private:
   /// The floor pushes back with 1 N a millimetre.
-  void sense(const TipCapsule& tip, const Eigen::Isometry3d& T_world_link,
-             std::vector<TipContact>& contacts) const {
+  void sense_floor(const TipCapsule& tip, const Eigen::Isometry3d& T_world_link,
+                   std::vector<TipContact>& contacts) const {
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d lowest = T_world_link * tip.b - tip.radius * up;
     const double depth = floor_ - lowest.z();

@@ -15,13 +15,14 @@
 namespace palpate::grasping {
 namespace {
 
-constexpr double kFoldedShare = 0.9;  // of the way to closed
-constexpr double kBendShare = 0.75;   // of it, in grasps
-constexpr double kSideways = 0.08;    // rad, of fingers that spread
-constexpr double kLevel = 0.006;      // m above the lowest part that count as its level
-constexpr double kProbed = 0.045;     // m around the middle of the underside, where it counts
-constexpr double kBack = 0.35;        // rad by which fingers bend back at most
-constexpr double kGoodMargin = 0.05;  // m by which a pointing fingertip is lower than all else
+constexpr double kFoldedShare = 0.9;    // of the way to closed
+constexpr double kBendShare = 0.75;     // of it, in grasps
+constexpr double kSideways = 0.08;      // rad, of fingers that spread
+constexpr double kLevel = 0.006;        // m above the lowest part that count as its level
+constexpr double kProbed = 0.045;       // m around the middle of the underside, where it counts
+constexpr double kForearmClear = 0.03;  // m above the underside
+constexpr double kBack = 0.35;          // rad by which fingers bend back at most
+constexpr double kGoodMargin = 0.05;    // m by which a pointing fingertip is lower than all else
 
 /// All fingers so far on their way to closed, the other actuators as in the open hand.
 hand::ActuatorVector all_bent(const hand::Description& hand, double share) {
@@ -36,9 +37,16 @@ hand::ActuatorVector all_bent(const hand::Description& hand, double share) {
   return positions;
 }
 
+/// Whether a link is the palm or moves with it, and does not carry it as a forearm does.
+bool is_beyond_wrist(const hand::Description& hand, int link) {
+  while (link >= 0 && link != hand.palm) link = hand.links[static_cast<std::size_t>(link)].parent;
+  return link >= 0;
+}
+
 /// The surface of the hand in a posture, in the mount's frame.
 struct Ball {
   int link;
+  bool beyond_wrist;
   Eigen::Vector3d center;
   double radius;
 };
@@ -47,8 +55,8 @@ std::vector<Ball> surface(const hand::Description& hand, const hand::ActuatorVec
   const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, positions));
   std::vector<Ball> balls;
   for (const auto& sphere : hand.spheres) {
-    balls.push_back(
-        {sphere.link, T[static_cast<std::size_t>(sphere.link)] * sphere.center, sphere.radius});
+    balls.push_back({sphere.link, is_beyond_wrist(hand, sphere.link),
+                     T[static_cast<std::size_t>(sphere.link)] * sphere.center, sphere.radius});
   }
   return balls;
 }
@@ -83,7 +91,8 @@ void for_each_attitude(double rolls, const Evaluate& evaluate) {
   }
 }
 
-/// What of the hand is within kLevel of its lowest, seen from below on a grid.
+/// What of the hand is within kLevel of its lowest, seen from below on a grid. A forearm is no part
+/// of it, and has to be clear of it: what carries it would be in the table.
 struct Underside {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
   double area = 0;  ///< m^2, of what lies within kProbed of the middle
@@ -94,8 +103,13 @@ Underside underside(const std::vector<Ball>& balls, const hand::Attitude& attitu
   constexpr int kCells = static_cast<int>(2 * kReach / kCell);
   const Eigen::Matrix3d R = rotation(attitude);
   Eigen::MatrixXd bottom = Eigen::MatrixXd::Constant(kCells, kCells, 1.0);
+  double forearm = std::numeric_limits<double>::infinity();
   for (const Ball& ball : balls) {
     const Eigen::Vector3d p = R * ball.center;
+    if (!ball.beyond_wrist) {
+      forearm = std::min(forearm, p.z() - ball.radius);
+      continue;
+    }
     const int reach = static_cast<int>(std::ceil(ball.radius / kCell));
     const int cx = static_cast<int>((p.x() + kReach) / kCell);
     const int cy = static_cast<int>((p.y() + kReach) / kCell);
@@ -110,6 +124,7 @@ Underside underside(const std::vector<Ball>& balls, const hand::Attitude& attitu
     }
   }
   const double low = bottom.minCoeff();
+  if (forearm < low + kForearmClear) return {};
   std::vector<Eigen::Vector2d> level;
   for (int x = 0; x < kCells; ++x) {
     for (int y = 0; y < kCells; ++y) {

@@ -97,6 +97,29 @@ TEST(DerivePostures, AFingerMayBeExcludedFromClosing) {
   }
 }
 
+TEST(DerivePostures, AForearmIsClearOfTheFlatHandsUnderside) {
+  auto text = simulation::replaced(
+      simulation::kHandMjcf, "<body name=\"palm\">",
+      "<body name=\"forearm\"><geom type=\"capsule\" size=\"0.04\" fromto=\"-0.3 0 0 -0.12 0 0\"/>"
+      "<body name=\"palm\"><joint name=\"wrist\" axis=\"0 1 0\" range=\"-0.3 0.3\"/>");
+  text = simulation::replaced(text, "</worldbody>", "</body></worldbody>");
+  hand::Description hand = simulation::describe_hand(simulation::write_hand("arm.xml", text)).hand;
+  derive_postures(hand);
+  ASSERT_NE(hand.palm, 0) << "the palm moves on the forearm";
+  const hand::FlatHand& flat = hand.postures.flat;
+  hand::MountPosition mount;
+  mount.ypr << 0, flat.attitude.pitch, flat.attitude.roll;
+  const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, flat.positions));
+  double forearm = std::numeric_limits<double>::infinity(), other = forearm;
+  for (const auto& ball : hand.spheres) {
+    const Eigen::Vector3d p = mount.pose() * (T[static_cast<std::size_t>(ball.link)] * ball.center);
+    double& low = ball.link < hand.palm ? forearm : other;
+    low = std::min(low, p.z() - ball.radius);
+  }
+  ASSERT_TRUE(std::isfinite(forearm));
+  EXPECT_GT(forearm, other + 0.025);
+}
+
 TEST(DerivePostures, WhatWasFoundIsKept) {
   hand::Description again =
       simulation::describe_hand(simulation::write_hand("derived.xml", simulation::kHandMjcf)).hand;

@@ -11,6 +11,7 @@
 #include "hand_files.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "simulation/hand/hand_spec.hpp"
 #include "simulation/hand/overlapping_links.hpp"
 
 namespace palpate::simulation {
@@ -178,6 +179,39 @@ TEST(DescribeHand, NamesLinksThatOverlapInEveryPosture) {
   ASSERT_FALSE(result.problems.empty());
   EXPECT_NE(result.problems.front().what.find("overlap in every posture"), std::string::npos);
   EXPECT_FALSE(result.hand.file.overlapping.empty());
+}
+
+TEST(DescribeHand, LinksThatTheFileLetsPassThroughOneAnotherOverlapInAWorldToo) {
+  auto text = replaced(kHandMjcf, "pos=\"0.045 -0.025 0\"", "pos=\"0.045 0.015 0\"");
+  text = replaced(text, "<worldbody>",
+                  "<default><geom contype=\"1\" conaffinity=\"0\"/></default><worldbody>");
+  const auto result = describe_hand(write_hand("masked.xml", text));
+  EXPECT_TRUE(result.problems.empty()) << result.problems.front().what;
+  EXPECT_FALSE(result.hand.file.overlapping.empty());
+}
+
+TEST(DescribeHand, PairsOfContactsNameTheFingertipThatReplacesTheFiles) {
+  auto text = replaced(kHandMjcf, "<geom type=\"box\"", "<geom name=\"plate\" type=\"box\"");
+  text = replaced(text, "<geom type=\"capsule\" size=\"0.008\"",
+                  "<geom name=\"pad\" type=\"capsule\" size=\"0.008\"");
+  text = replaced(text, "</worldbody>",
+                  "</worldbody><contact><pair geom1=\"plate\" geom2=\"pad\"/></contact>");
+  const auto hand = described("pair.xml", text);
+  const ModelHandle model = compile(*parse_hand(hand));
+  ASSERT_EQ(model->npair, 1);
+  EXPECT_EQ(model->pair_geom2[0], find_id(*model, mjOBJ_GEOM, tip_geom(hand, 0)));
+}
+
+TEST(DescribeHand, NamesTheFirstOfManyTendons) {
+  std::string tendons;
+  for (int i = 0; i < 5; ++i) {
+    tendons += fmt::format("<fixed name=\"t{}\"><joint joint=\"index_1\" coef=\"1\"/></fixed>", i);
+  }
+  const auto text =
+      replaced(kHandMjcf, "</worldbody>", "</worldbody><tendon>" + tendons + "</tendon>");
+  const auto result = describe_hand(write_hand("tendons.xml", text));
+  ASSERT_EQ(result.problems.size(), 1u);
+  EXPECT_EQ(result.problems[0].what, "tendons t0, t1, t2 and 2 more are left out");
 }
 
 TEST(DescribeHand, SaysThatATendonIsLeftOut) {

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/world/scene.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "palpate/geometry/query/mesh_query.hpp"
+#include "palpate/simulation/hand/describe_hand.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "simulation/hand/hand_spec.hpp"
+#include "simulation/hand_files.hpp"
 #include "simulation/scenes.hpp"
+#include "simulation/world/simulated_hand.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -41,6 +46,32 @@ TEST(Scene, TheMountHasInertiaAtEveryPitch) {
   for (const double share : {0.0, 0.3, 0.5, 0.7}) {
     EXPECT_GT(min_inertia(share * std::numbers::pi), 1e-3) << share;
   }
+}
+
+/// Of a hand whose palm has this mass (kg), 0.2 m behind the mount.
+hand::MountLimits limits_of_hand(double mass) {
+  const auto text =
+      replaced(kHandMjcf, "<geom type=\"box\"",
+               fmt::format("<inertial pos=\"-0.2 0 0\" mass=\"{}\" diaginertia=\"0.01 0.01 0.01\"/>"
+                           "<geom type=\"box\"",
+                           mass));
+  const hand::Description hand = describe_hand(write_hand("heavy.xml", text)).hand;
+  const geometry::KnownObject object = block();
+  const geometry::MeshQuery mesh(object.mesh);
+  const geometry::CapsuleCollider surface(mesh);
+  const WorldOptions options = without_noise();
+  const Scene scene = compose_scene(hand, believed_object(object), surface, options);
+  const DataHandle data(mj_makeData(scene.model.get()));
+  SimulatedHand simulated(scene, *data, hand, options, RandomStream(1, "hand"));
+  simulated.reset({hand::ActuatorVector::Zero(hand.actuator_count()), {}});
+  return simulated.mount_limits();
+}
+
+// Else its own inertia loads the mount by more than the 40 N at which the robot stops.
+TEST(Scene, AHeavyHandIsAcceleratedGently) {
+  EXPECT_TRUE(std::isinf(limits_of_hand(2).acceleration));
+  EXPECT_EQ(limits_of_hand(6).acceleration, 3);
+  EXPECT_EQ(limits_of_hand(6).turn_acceleration, 10);
 }
 
 TEST(Scene, ASecondObjectRestsOnTheTableAndIsSensed) {

@@ -53,9 +53,8 @@ class Describer {
     check_masses(*model);
     check_shapes(*model);
     refuse_closed_loops(*model);
-    for (const std::string& tendon : tendons(*model)) {
-      problem(fmt::format("tendon {} is left out", tendon),
-              "its joints get a drive each; tie joints by an equality instead");
+    if (const std::string left_out = left_out_tendons(*model); !left_out.empty()) {
+      problem(left_out, "their joints get a drive each; tie joints by an equality instead");
     }
     if (const int joints = springs(*model); joints > 0) {
       problem(fmt::format("springs of {} joints are left out", joints), "servos hold the joints");
@@ -377,8 +376,11 @@ void Describer::exclude_overlaps() {
   for (const double share : {0.0, 0.25, 0.5}) {
     everywhere.push_back(hand::joints_in_free_flexion(hand(), posture(share)));
   }
-  hand().file.overlapping = overlapping_links(*model, hand(), everywhere);
-  for (const auto& [one, other] : hand().file.overlapping) {
+  const auto overlapping = overlapping_links(*model, hand(), everywhere);
+  hand().file.overlapping = let_all_collide(*spec_)
+                                ? overlapping_links(*compile(*spec_), hand(), everywhere)
+                                : overlapping;
+  for (const auto& [one, other] : overlapping) {
     problem(fmt::format("links {} and {} overlap in every posture", one, other),
             "they are let pass through one another; exclude the pair in the file");
   }

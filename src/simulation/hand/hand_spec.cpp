@@ -81,6 +81,18 @@ double distance_to(const mjsGeom& geom, const Eigen::Vector3d& p) {
   return (middle_in_body(geom) - p).norm();
 }
 
+/// Pairs of geoms that may touch name them.
+void rename_geom(mjSpec& spec, mjsGeom& geom, const std::string& name) {
+  const std::string before = mjs_getString(mjs_getName(geom.element));
+  set_name(geom.element, name);
+  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_PAIR); e; e = mjs_nextElement(&spec, e)) {
+    mjsPair& pair = *mjs_asPair(e);
+    for (mjString* geom_name : {pair.geomname1, pair.geomname2}) {
+      if (mjs_getString(geom_name) == before) mjs_setString(geom_name, name.c_str());
+    }
+  }
+}
+
 /// Orientation (w, x, y, z) that turns z into the direction of a capsule's axis.
 Eigen::Vector4d orientation(const Eigen::Vector3d& axis) {
   if (axis.head<2>().isZero() && axis.z() >= 0) return {1, 0, 0, 0};
@@ -230,7 +242,7 @@ void put_tip(mjSpec& spec, const std::string& body, const std::string& name,
   mjsGeom& geom = **std::min_element(geoms.begin(), geoms.end(), [&](auto* one, auto* other) {
     return distance_to(*one, capsule.b) < distance_to(*other, capsule.b);
   });
-  set_name(geom.element, name);
+  rename_geom(spec, geom, name);
   leave_frames(find_body(spec, body), *geom.element);
   for (mjsGeom* other : geoms) {  // all that touches at a fingertip is sensed
     if (other != &geom) other->contype = other->conaffinity = 0;

@@ -2,6 +2,7 @@
 #include "simulation/hand/model_checks.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +18,7 @@ namespace {
 constexpr double kShortest = 0.01, kLongest = 0.6;  // m, from the palm to a fingertip
 constexpr double kWidest = 0.06;                    // m, half width of a fingertip
 constexpr double kLargest = 2;                      // m, radius of the ball about a shape
+constexpr int kNamedTendons = 3;
 constexpr const char* kInMetres =
     "lengths are metres; if the model or its meshes are in millimetres, scale them by 0.001";
 
@@ -64,10 +66,18 @@ void check_size(const hand::Description& hand) {
   }
 }
 
-std::vector<std::string> tendons(const mjModel& model) {
+std::string left_out_tendons(const mjModel& model) {
   std::vector<std::string> names;
-  for (int i = 0; i < model.ntendon; ++i) names.push_back(model_name(model, mjOBJ_TENDON, i));
-  return names;
+  for (int i = 0; i < std::min(kNamedTendons, static_cast<int>(model.ntendon)); ++i) {
+    names.push_back(model_name(model, mjOBJ_TENDON, i));
+  }
+  if (names.empty()) return {};
+  if (model.ntendon == 1) return fmt::format("tendon {} is left out", names[0]);
+  if (model.ntendon == std::ssize(names)) {
+    return fmt::format("tendons {} are left out", fmt::join(names, ", "));
+  }
+  return fmt::format("tendons {} and {} more are left out", fmt::join(names, ", "),
+                     model.ntendon - std::ssize(names));
 }
 
 int springs(const mjModel& model) {

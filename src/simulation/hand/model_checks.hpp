@@ -25,8 +25,8 @@ void check_size(const hand::Description& hand);
 /// @throws BadInput for limits of a joint that are more than a turn: they are degrees
 void check_limits(const std::string& joint, const hand::Range& range);
 
-/// Names of the model's tendons.
-std::vector<std::string> tendons(const mjModel& model);
+/// That the model's tendons are left out, with the names of the first; empty: it has none.
+std::string left_out_tendons(const mjModel& model);
 
 /// How many joints have a spring.
 int springs(const mjModel& model);

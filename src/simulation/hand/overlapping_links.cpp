@@ -36,6 +36,18 @@ std::set<BodyPair> overlaps_at(const mjModel& model, mjData& data, const hand::D
 
 }  // namespace
 
+bool let_all_collide(mjSpec& spec) {
+  bool changed = false;
+  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_GEOM); e; e = mjs_nextElement(&spec, e)) {
+    mjsGeom& geom = *mjs_asGeom(e);
+    if ((geom.contype == 0 && geom.conaffinity == 0) || (geom.contype & geom.conaffinity & 1) != 0)
+      continue;
+    geom.contype = geom.conaffinity = 1;
+    changed = true;
+  }
+  return changed;
+}
+
 std::vector<std::pair<std::string, std::string>> overlapping_links(
     const mjModel& model, const hand::Description& hand,
     const std::vector<hand::JointVector>& postures) {

@@ -11,6 +11,10 @@
 
 namespace palpate::simulation {
 
+/// Lets all of a hand that collides with anything collide with itself, as in a simulated world.
+/// @return whether the file has it otherwise
+bool let_all_collide(mjSpec& spec);
+
 /// Pairs of bodies of a hand that overlap by more than 0.5 mm in each of some postures.
 std::vector<std::pair<std::string, std::string>> overlapping_links(
     const mjModel& model, const hand::Description& hand,

@@ -19,6 +19,8 @@ namespace {
 
 using Index = std::size_t;
 
+constexpr double kHeavy = 0.9;                   // kg m from the mount; the Shadow hand has 0.75
+constexpr double kGentle = 3, kGentleTurn = 10;  // m/s^2, rad/s^2
 constexpr double kTorqueLever = 0.025;  // m: noise of the torques over that of the mount's load
 
 Vector6d mount_vector(const hand::MountPosition& mount) {
@@ -30,6 +32,15 @@ Vector6d mount_vector(const hand::MountPosition& mount) {
 /// Weight of the hand, N.
 double weight_of_hand(const Scene& scene) {
   return scene.model->body_subtreemass[scene.root] * vector3(scene.model->opt.gravity).norm();
+}
+
+/// A heavy hand is accelerated as gently as an arm would, or its inertia would load the mount as a
+/// collision does.
+hand::MountLimits floating_limits(const Scene& scene, const mjData& data,
+                                  const Eigen::Vector3d& mount) {
+  const double lever = (vector3(data.subtree_com + 3 * scene.root) - mount).norm();
+  if (scene.model->body_subtreemass[scene.root] * lever <= kHeavy) return {};
+  return {.acceleration = kGentle, .turn_acceleration = kGentleTurn};
 }
 
 }  // namespace
@@ -84,7 +95,7 @@ void SimulatedHand::carry_to(const hand::MountPosition& mount) {
 }
 
 hand::MountLimits SimulatedHand::mount_limits() const {
-  return follower_ ? follower_->arm().limits : hand::MountLimits{};
+  return follower_ ? follower_->arm().limits : limits_;
 }
 
 hand::PathFeasibility SimulatedHand::check_path(std::span<const hand::MountPosition> way) const {
@@ -164,6 +175,9 @@ void SimulatedHand::reset(const hand::HandCommand& command) {
   for (Index i = 0; i < scene_.mount_positions.size(); ++i) {  // there already, and at rest
     data_.qpos[scene_.mount_positions[i]] = data_.ctrl[scene_.base_actuators[i]];
   }
+  mj_kinematics(scene_.model.get(), &data_);
+  mj_comPos(scene_.model.get(), &data_);
+  limits_ = floating_limits(scene_, data_, commanded_.xyz);
   integral_.reset();
   pushed_steps_ = 0;
   errors_.reset();

@@ -69,6 +69,7 @@ class SimulatedHand : public hand::Hand {
   StepObserver observer_;
   std::optional<hand::ArmFollower> follower_;
   hand::MountPosition commanded_;  // in the world
+  hand::MountLimits limits_;       // of a floating mount
   std::optional<SimulatedBiotacs> biotacs_;
 };
 
