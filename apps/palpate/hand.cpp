@@ -43,6 +43,10 @@ std::vector<std::string> joints_of(const hand::Description& hand, int finger) {
   return names;
 }
 
+const std::string& tip_link(const hand::Description& hand, const hand::Finger& finger) {
+  return hand.links[static_cast<std::size_t>(finger.link)].name;
+}
+
 /// A fingertip's surface in words.
 std::string shape_of(const hand::Finger& finger) {
   if (!finger.hull) return fmt::format("capsule, radius {:.1f} mm", 1e3 * finger.tip.radius);
@@ -50,7 +54,7 @@ std::string shape_of(const hand::Finger& finger) {
 }
 
 nlohmann::json tip_json(const hand::Description& hand, const hand::Finger& finger) {
-  nlohmann::json tip = {{"link", hand.links[static_cast<std::size_t>(finger.link)].name},
+  nlohmann::json tip = {{"link", tip_link(hand, finger)},
                         {"shape", finger.hull ? "hull" : "capsule"},
                         {"radius", finger.tip.radius},
                         {"length", (finger.tip.b - finger.tip.a).norm()}};
@@ -91,17 +95,26 @@ void print_hand(const simulation::DescribedHand& loaded) {
   const hand::Description& hand = loaded.hand;
   fmt::print("{}: {} fingers, {} joints, {} actuators\n\n", hand.name, hand.finger_count(),
              hand.joint_count(), hand.actuator_count());
-  fmt::print("{:<10} {:<18} {:<22}  {}\n", "finger", "fingertip", "surface", "joints");
+  std::size_t name_width = 10, tip_width = 18, actuator_width = 22;
+  for (const hand::Finger& finger : hand.fingers) {
+    name_width = std::max(name_width, finger.name.size());
+    tip_width = std::max(tip_width, tip_link(hand, finger).size());
+  }
+  for (const hand::Actuator& actuator : hand.actuators) {
+    actuator_width = std::max(actuator_width, actuator.name.size());
+  }
+  fmt::print("{:<{}} {:<{}} {:<23}  {}\n", "finger", name_width, "fingertip", tip_width, "surface",
+             "joints");
   for (int i = 0; i < hand.finger_count(); ++i) {
     const hand::Finger& finger = hand.fingers[static_cast<std::size_t>(i)];
-    fmt::print("{:<10} {:<18} {:<22}  {}{}\n", finger.name,
-               hand.links[static_cast<std::size_t>(finger.link)].name, shape_of(finger),
-               fmt::join(joints_of(hand, i), " "), i == hand.thumb ? "  (thumb)" : "");
+    fmt::print("{:<{}} {:<{}} {:<23}  {}{}\n", finger.name, name_width, tip_link(hand, finger),
+               tip_width, shape_of(finger), fmt::join(joints_of(hand, i), " "),
+               i == hand.thumb ? "  (thumb)" : "");
   }
-  fmt::print("\n{:<22} {:>15} {:>12} {:>10} {:>8}\n", "actuator", "range (rad)", "P (N m/rad)",
-             "max (N m)", "closing");
+  fmt::print("\n{:<{}} {:>15} {:>12} {:>10} {:>8}\n", "actuator", actuator_width, "range (rad)",
+             "P (N m/rad)", "max (N m)", "closing");
   for (const hand::Actuator& actuator : hand.actuators) {
-    fmt::print("{:<22} {:>15} {:>12.2f} {:>10.2f} {:>8.2f}\n", actuator.name,
+    fmt::print("{:<{}} {:>15} {:>12.2f} {:>10.2f} {:>8.2f}\n", actuator.name, actuator_width,
                fmt::format("{:.2f} .. {:.2f}", actuator.command.low, actuator.command.high),
                actuator.stiffness, actuator.max_torque, actuator.closing);
   }

@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <sstream>
@@ -30,6 +31,7 @@ constexpr double kPress = 6.0;         // N, of all fingertips, in the search
 constexpr std::size_t kSamples = 160;  // of preshapes, at random
 constexpr std::size_t kSteps = 120;    // of the best one, at random
 constexpr double kNoGrasp = 2.0;       // cost of an object that cannot be grasped
+constexpr double kHoldsNot = 1.0;      // cost from which a grasp does not hold the object
 constexpr double kMissing = 0.25;      // cost of a finger whose tip does not meet the object
 constexpr double kClaw = 0.5;          // of the way to closed that a claw's fingers bend back
 constexpr double kFullWay = 2.0;       // rad that an actuator of speed 1 closes in the time of all
@@ -119,14 +121,24 @@ geometry::TriangleMesh cylinder(double radius, double height) {
   return mesh;
 }
 
-/// Objects of household size, each in a pose on the table.
+/// Objects that a hand is to grasp, each in a pose on the table.
 class Trials {
  public:
-  Trials() {
-    add("cylinder", cylinder(0.030, 0.11), {0, 0, 0.055});
-    add("can", cylinder(0.040, 0.09), {0, 0, 0.045});
-    add("box", geometry::box_mesh({0.05, 0.05, 0.09}), {0, 0, 0.045});
-    add("flat box", geometry::box_mesh({0.11, 0.05, 0.05}), {0, 0, 0.025});
+  /// Of household size.
+  static Trials usual() {
+    Trials trials;
+    trials.add("cylinder", cylinder(0.030, 0.11), {0, 0, 0.055});
+    trials.add("can", cylinder(0.040, 0.09), {0, 0, 0.045});
+    trials.add("box", geometry::box_mesh({0.05, 0.05, 0.09}), {0, 0, 0.045});
+    trials.add("flat box", geometry::box_mesh({0.11, 0.05, 0.05}), {0, 0, 0.025});
+    return trials;
+  }
+
+  /// As wide as a hand of human size can span.
+  static Trials wide() {
+    Trials trials;
+    trials.add("wide box", geometry::box_mesh({0.15, 0.09, 0.05}), {0, 0, 0.025});
+    return trials;
   }
 
   double cost(const hand::Description& given, const HandPosture& tried) const {
@@ -226,7 +238,7 @@ hand::Preshape preshape_of(const hand::Description& hand, const HandPosture& bes
 
 /// All numbers of a hand that the search depends on, as text.
 std::string fingerprint(const hand::Description& hand) {
-  std::string text = "preshape 4";
+  std::string text = "preshape 5";
   const auto add = [&](double value) { text += fmt::format(" {:a}", value); };
   for (const hand::Link& link : hand.links) {
     for (const double value : link.T_parent_link.matrix().reshaped()) add(value);
@@ -310,27 +322,46 @@ hand::Description coarse(hand::Description hand) {
   return hand;
 }
 
-void search_preshape(const hand::Description& detailed, const ProgressCallback& progress,
-                     HandPosture& best, hand::Attitude& other) {
-  const hand::Description hand = coarse(detailed);
-  const Trials trials;
+using Cost = std::function<double(const HandPosture&)>;
+
+HandPosture least(const hand::Description& hand, const Cost& cost,
+                  const ProgressCallback& progress) {
   RandomStream random(1, "preshape");
+  HandPosture best;
   for (std::size_t i = 0; i < kSamples + kSteps; ++i) {
     HandPosture tried = i < kSamples ? draw(hand, random) : shaken(hand, best, random);
-    tried.cost = trials.cost(hand, tried);
+    tried.cost = cost(tried);
     if (tried.cost < best.cost) best = tried;
     if (progress) progress(i + 1, kSamples + kSteps);
   }
+  return best;
+}
+
+/// A hand that cannot hold a wide object in the posture that is best for all others is opened
+/// wider, if that helps.
+void search_preshape(const hand::Description& detailed, const ProgressCallback& progress,
+                     HandPosture& best, hand::Attitude& other) {
+  const hand::Description hand = coarse(detailed);
+  const Trials trials = Trials::usual(), wide = Trials::wide();
+  best = least(
+      hand, [&](const auto& tried) { return trials.cost(hand, tried); }, progress);
   if (best.cost > 3.5 * kNoGrasp) {
     throw BadInput("the hand holds nothing: no posture was found in which its fingers oppose");
   }
+  if (wide.cost(hand, best) > kHoldsNot) {
+    const auto both = [&](const auto& tried) {
+      return trials.cost(hand, tried) + wide.cost(hand, tried);
+    };
+    const HandPosture opened = least(hand, both, progress);
+    if (wide.cost(hand, opened) < kHoldsNot) best = opened;
+  }
   HandPosture steep = best;
-  double least = std::numeric_limits<double>::infinity();
+  double lowest = std::numeric_limits<double>::infinity();
   for (const double by : {-0.5, -0.3, 0.3, 0.5}) {
     steep.attitude.pitch = std::clamp(best.attitude.pitch + by, -kSteepest, kSteepest);
     const double cost = trials.cost(hand, steep);
-    if (cost >= least) continue;
-    least = cost;
+    if (cost >= lowest) continue;
+    lowest = cost;
     other = steep.attitude;
   }
 }

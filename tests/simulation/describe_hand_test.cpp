@@ -214,6 +214,23 @@ TEST(DescribeHand, NamesTheFirstOfManyTendons) {
   EXPECT_EQ(result.problems[0].what, "tendons t0, t1, t2 and 2 more are left out");
 }
 
+TEST(DescribeHand, ATendonThatAnEqualityHoldsMakesOneJointFollowTheOther) {
+  const auto text =
+      replaced(kHandMjcf, "</worldbody>",
+               "</worldbody><tendon><fixed name=\"link\"><joint joint=\"index_1\" coef=\"0.4\"/>"
+               "<joint joint=\"index_2\" coef=\"-0.5\"/></fixed></tendon>"
+               "<equality><tendon tendon1=\"link\"/></equality>"
+               "<actuator><position joint=\"index_1\"/></actuator>");
+  const auto result = describe_hand(write_hand("tied.xml", text));
+  EXPECT_TRUE(result.problems.empty()) << result.problems.front().what;
+  EXPECT_EQ(result.hand.actuator_count(), 5);
+  const auto& drive =
+      result.hand.actuators[static_cast<std::size_t>(result.hand.actuator("index_1"))];
+  ASSERT_EQ(drive.joints.size(), 2u);
+  EXPECT_NEAR(drive.joints[1].share, 0.8, 1e-12) << "0.4 of the one is 0.5 of the other";
+  EXPECT_NEAR(drive.joints[1].offset, 0, 1e-12);
+}
+
 TEST(DescribeHand, SaysThatATendonIsLeftOut) {
   const auto text = replaced(kHandMjcf, "</worldbody>",
                              "</worldbody><tendon><fixed name=\"pull\"><joint joint=\"index_1\" "

@@ -127,6 +127,7 @@ class Describer {
 };
 
 void Describer::read_joints(const mjModel& model, const Anatomy& anatomy) {
+  std::vector<std::string> stiff;
   for (int joint = 0; joint < model.njnt; ++joint) {
     if (!anatomy.is_below(model.jnt_bodyid[joint])) continue;
     const std::string name = model_name(model, mjOBJ_JOINT, joint);
@@ -136,12 +137,13 @@ void Describer::read_joints(const mjModel& model, const Anatomy& anatomy) {
       range = range_without_limits(model, joint);
       check_limits(name, range);
     }
-    if (const double turn = range.high - range.low; turn < kLeastBend) {
-      problem(fmt::format("joint {} turns by {:.3f} rad only", name, turn),
-              "are its limits in radians where the file's angles are degrees?");
-    }
+    if (range.high - range.low < kLeastBend) stiff.push_back(name);
     hand().joints.push_back({name, range});
     joint_ids_.push_back(joint);
+  }
+  if (!stiff.empty()) {
+    problem(fmt::format("joints turn by less than {} rad: {}", kLeastBend, first_of(stiff)),
+            "are their limits in radians where the file's angles are degrees?");
   }
   if (hand().joints.empty()) throw BadInput("the hand has no joints");
   if (hand().joint_count() > hand::kMaxJoints) {
@@ -380,10 +382,13 @@ void Describer::exclude_overlaps() {
   hand().file.overlapping = let_all_collide(*spec_)
                                 ? overlapping_links(*compile(*spec_), hand(), everywhere)
                                 : overlapping;
+  std::vector<std::string> pairs;
   for (const auto& [one, other] : overlapping) {
-    problem(fmt::format("links {} and {} overlap in every posture", one, other),
-            "they are let pass through one another; exclude the pair in the file");
+    pairs.push_back(fmt::format("{} and {}", one, other));
   }
+  if (pairs.empty()) return;
+  problem(fmt::format("links overlap in every posture: {}", first_of(pairs)),
+          "they are let pass through one another; exclude the pairs in the file");
 }
 
 }  // namespace

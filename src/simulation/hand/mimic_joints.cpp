@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -17,17 +18,48 @@
 namespace palpate::simulation {
 namespace {
 
+constexpr double kLeastWay = 0.1;  // rad
+
 /// Two joints of the model: angle = offset + ratio * the leader's.
 struct Tie {
   int joint, leader;
   double ratio, offset;
 };
 
-/// What the active equalities of joints say. A joint that is locked is its own leader, by 0.
+/// Whether the limits of two joints leave them a way on which one follows the other.
+bool can_move(const mjModel& model, const Tie& tie) {
+  if (!model.jnt_limited[tie.joint] || !model.jnt_limited[tie.leader]) return true;
+  const mjtNum* const own = model.jnt_range + 2 * tie.joint;
+  const mjtNum* const leading = model.jnt_range + 2 * tie.leader;
+  const auto [low, high] =
+      std::minmax({tie.offset + tie.ratio * leading[0], tie.offset + tie.ratio * leading[1]});
+  return std::min(high, own[1]) - std::max(low, own[0]) > kLeastWay;
+}
+
+/// What an equality of a fixed tendon of two joints says: the tendon keeps its length. Files that
+/// count on a tendon that gives way, against the joints' limits, say nothing.
+std::optional<Tie> tie_by_tendon(const mjModel& model, int equality) {
+  if (model.eq_type[equality] != mjEQ_TENDON || model.eq_obj2id[equality] >= 0) return {};
+  const int tendon = model.eq_obj1id[equality], first = model.tendon_adr[tendon];
+  if (model.tendon_num[tendon] != 2) return {};
+  for (int wrap = first; wrap < first + 2; ++wrap) {
+    if (model.wrap_type[wrap] != mjWRAP_JOINT || model.wrap_prm[wrap] == 0) return {};
+  }
+  const double pull = model.wrap_prm[first], of_leader = model.wrap_prm[first + 1];
+  const double length = model.tendon_length0[tendon] + model.eq_data[mjNEQDATA * equality];
+  const Tie tie{model.wrap_objid[first], model.wrap_objid[first + 1], -of_leader / pull,
+                length / pull};
+  return can_move(model, tie) ? std::optional(tie) : std::nullopt;
+}
+
+/// What the active equalities of joints, and of tendons, say. A joint that is locked is its own
+/// leader, by 0.
 std::vector<Tie> read_ties(const mjModel& model) {
   std::vector<Tie> ties;
   for (int i = 0; i < model.neq; ++i) {
-    if (model.eq_type[i] != mjEQ_JOINT || !model.eq_active0[i]) continue;
+    if (!model.eq_active0[i]) continue;
+    if (const auto tie = tie_by_tendon(model, i)) ties.push_back(*tie);
+    if (model.eq_type[i] != mjEQ_JOINT) continue;
     const int joint = model.eq_obj1id[i], leader = model.eq_obj2id[i];
     const mjtNum* const data = model.eq_data + mjNEQDATA * i;  // polynomial of the leader's way
     const bool locked = leader < 0;
@@ -247,6 +279,13 @@ void resolve(std::vector<MimicJoint>& mimics) {
 }
 
 }  // namespace
+
+bool ties_joints(const mjModel& model, int tendon) {
+  for (int i = 0; i < model.neq; ++i) {
+    if (model.eq_active0[i] && model.eq_obj1id[i] == tendon && tie_by_tendon(model, i)) return true;
+  }
+  return false;
+}
 
 std::vector<MimicJoint> mimic_joints(const mjModel& model, const std::filesystem::path& file) {
   // Of a URDF the simulator leaves out mimics that it does not understand.

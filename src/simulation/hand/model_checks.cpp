@@ -11,6 +11,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "simulation/hand/anatomy.hpp"
+#include "simulation/hand/mimic_joints.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 constexpr double kShortest = 0.01, kLongest = 0.6;  // m, from the palm to a fingertip
 constexpr double kWidest = 0.06;                    // m, half width of a fingertip
 constexpr double kLargest = 2;                      // m, radius of the ball about a shape
-constexpr int kNamedTendons = 3;
+constexpr std::size_t kNamed = 3;                   // of many
 constexpr const char* kInMetres =
     "lengths are metres; if the model or its meshes are in millimetres, scale them by 0.001";
 
@@ -66,18 +67,23 @@ void check_size(const hand::Description& hand) {
   }
 }
 
+std::string first_of(std::span<const std::string> names) {
+  const auto first = names.first(std::min(kNamed, names.size()));
+  std::string text = fmt::format("{}", fmt::join(first, ", "));
+  if (first.size() < names.size()) {
+    text += fmt::format(" and {} more", names.size() - first.size());
+  }
+  return text;
+}
+
 std::string left_out_tendons(const mjModel& model) {
   std::vector<std::string> names;
-  for (int i = 0; i < std::min(kNamedTendons, static_cast<int>(model.ntendon)); ++i) {
-    names.push_back(model_name(model, mjOBJ_TENDON, i));
+  for (int i = 0; i < model.ntendon; ++i) {
+    if (!ties_joints(model, i)) names.push_back(model_name(model, mjOBJ_TENDON, i));
   }
   if (names.empty()) return {};
-  if (model.ntendon == 1) return fmt::format("tendon {} is left out", names[0]);
-  if (model.ntendon == std::ssize(names)) {
-    return fmt::format("tendons {} are left out", fmt::join(names, ", "));
-  }
-  return fmt::format("tendons {} and {} more are left out", fmt::join(names, ", "),
-                     model.ntendon - std::ssize(names));
+  if (names.size() == 1) return fmt::format("tendon {} is left out", names[0]);
+  return fmt::format("tendons {} are left out", first_of(names));
 }
 
 int springs(const mjModel& model) {

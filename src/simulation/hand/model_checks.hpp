@@ -3,6 +3,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ void check_size(const hand::Description& hand);
 
 /// @throws BadInput for limits of a joint that are more than a turn: they are degrees
 void check_limits(const std::string& joint, const hand::Range& range);
+
+/// The first three names, and how many there are more.
+std::string first_of(std::span<const std::string> names);
 
 /// That the model's tendons are left out, with the names of the first; empty: it has none.
 std::string left_out_tendons(const mjModel& model);
