@@ -168,6 +168,7 @@ lo::Posterior search(const geometry::ObjectModel& model, const LocalizeArguments
   }
   result.objects.candidates = {1};
   result.objects.probability = 1;
+  result.objects.size = model.object().size;
   return posterior;
 }
 

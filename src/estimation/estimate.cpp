@@ -223,6 +223,7 @@ localization::Posterior PoseEstimator::conclude(const Hypotheses& hypotheses) {
   if (one()) {
     probabilities_.candidates = {1};
     probabilities_.probability = 1;
+    probabilities_.size = object().object().size;
     return last_.front().posterior;
   }
   const localization::SizedCandidates objects = objects_of(candidates_);

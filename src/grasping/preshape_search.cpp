@@ -31,7 +31,7 @@ constexpr double kPress = 6.0;         // N, of all fingertips, in the search
 constexpr std::size_t kSamples = 160;  // of preshapes, at random
 constexpr std::size_t kSteps = 120;    // of the best one, at random
 constexpr double kNoGrasp = 2.0;       // cost of an object that cannot be grasped
-constexpr double kHoldsNot = 1.0;      // cost from which a grasp does not hold the object
+constexpr double kGivesWay = 0.1;      // cost from which a grasp may give way in the lift
 constexpr double kMissing = 0.25;      // cost of a finger whose tip does not meet the object
 constexpr double kClaw = 0.5;          // of the way to closed that a claw's fingers bend back
 constexpr double kFullWay = 2.0;       // rad that an actuator of speed 1 closes in the time of all
@@ -238,7 +238,7 @@ hand::Preshape preshape_of(const hand::Description& hand, const HandPosture& bes
 
 /// All numbers of a hand that the search depends on, as text.
 std::string fingerprint(const hand::Description& hand) {
-  std::string text = "preshape 5";
+  std::string text = "preshape 6";
   const auto add = [&](double value) { text += fmt::format(" {:a}", value); };
   for (const hand::Link& link : hand.links) {
     for (const double value : link.T_parent_link.matrix().reshaped()) add(value);
@@ -337,7 +337,7 @@ HandPosture least(const hand::Description& hand, const Cost& cost,
   return best;
 }
 
-/// A hand that cannot hold a wide object in the posture that is best for all others is opened
+/// A hand that cannot hold a wide object well in the posture that is best for all others is opened
 /// wider, if that helps.
 void search_preshape(const hand::Description& detailed, const ProgressCallback& progress,
                      HandPosture& best, hand::Attitude& other) {
@@ -348,12 +348,12 @@ void search_preshape(const hand::Description& detailed, const ProgressCallback& 
   if (best.cost > 3.5 * kNoGrasp) {
     throw BadInput("the hand holds nothing: no posture was found in which its fingers oppose");
   }
-  if (wide.cost(hand, best) > kHoldsNot) {
+  if (const double narrow = wide.cost(hand, best); narrow > kGivesWay) {
     const auto both = [&](const auto& tried) {
       return trials.cost(hand, tried) + wide.cost(hand, tried);
     };
     const HandPosture opened = least(hand, both, progress);
-    if (wide.cost(hand, opened) < kHoldsNot) best = opened;
+    if (opened.cost < best.cost + narrow) best = opened;
   }
   HandPosture steep = best;
   double lowest = std::numeric_limits<double>::infinity();

@@ -217,7 +217,7 @@ class Localize(CliTest):
         after = self.run_json("localize", answer["object"], "contacts.csv", "--prior", "before.json")
         self.assertNotEqual(after["status"], "no_pose")
         known = self.run_json("localize", "box.stl@1.08", "contacts.csv")
-        self.assertEqual((known["status"], known["size"]), ("certain", 1))
+        self.assertEqual((known["status"], known["size"]), ("certain", 1.08))
         for a, b in zip(middle(answer["modes"][0]["T_contact_object"]),
                         middle(known["modes"][0]["T_contact_object"])):  # fmt: skip
             self.assertAlmostEqual(a, b, delta=0.01)

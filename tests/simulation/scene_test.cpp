@@ -48,13 +48,13 @@ TEST(Scene, TheMountHasInertiaAtEveryPitch) {
   }
 }
 
-/// Of a hand whose palm has this mass (kg), 0.2 m behind the mount.
-hand::MountLimits limits_of_hand(double mass) {
+/// Of a hand whose palm has this mass (kg), so far (m) behind the mount.
+hand::MountLimits limits_of_hand(double mass, double lever) {
   const auto text =
       replaced(kHandMjcf, "<geom type=\"box\"",
-               fmt::format("<inertial pos=\"-0.2 0 0\" mass=\"{}\" diaginertia=\"0.01 0.01 0.01\"/>"
+               fmt::format("<inertial pos=\"-{} 0 0\" mass=\"{}\" diaginertia=\"0.01 0.01 0.01\"/>"
                            "<geom type=\"box\"",
-                           mass));
+                           lever, mass));
   const hand::Description hand = describe_hand(write_hand("heavy.xml", text)).hand;
   const geometry::KnownObject object = block();
   const geometry::MeshQuery mesh(object.mesh);
@@ -69,9 +69,9 @@ hand::MountLimits limits_of_hand(double mass) {
 
 // Else its own inertia loads the mount by more than the 40 N at which the robot stops.
 TEST(Scene, AHeavyHandIsAcceleratedGently) {
-  EXPECT_TRUE(std::isinf(limits_of_hand(2).acceleration));
-  EXPECT_EQ(limits_of_hand(6).acceleration, 3);
-  EXPECT_EQ(limits_of_hand(6).turn_acceleration, 10);
+  EXPECT_TRUE(std::isinf(limits_of_hand(2, 0.2).acceleration));
+  EXPECT_EQ(limits_of_hand(3, 0.4).turn_acceleration, 10);
+  EXPECT_EQ(limits_of_hand(6, 0.02).acceleration, 3);
 }
 
 TEST(Scene, ASecondObjectRestsOnTheTableAndIsSensed) {

@@ -53,9 +53,8 @@ class Describer {
     check_masses(*model);
     check_shapes(*model);
     refuse_closed_loops(*model);
-    if (const std::string left_out = left_out_tendons(*model); !left_out.empty()) {
-      problem(left_out, "their joints get a drive each; tie joints by an equality instead");
-    }
+    problem(left_out_tendons(*model),
+            "their joints get a drive each; tie joints by an equality instead");
     if (const int joints = springs(*model); joints > 0) {
       problem(fmt::format("springs of {} joints are left out", joints), "servos hold the joints");
     }
@@ -66,9 +65,8 @@ class Describer {
     read_fingers(*model, anatomy);
     report_joints(*model, anatomy);
     add_drives(*model);
-    if (std::string led = led_fingers(hand(), finger_of_joint_); !led.empty()) {
-      problem(std::move(led), "it cannot press by itself, and grasps may not hold");
-    }
+    problem(led_fingers(hand(), finger_of_joint_),
+            "it cannot press by itself, and grasps may not hold");
     measure(anatomy, *model);
     check_size(hand());
     choose_thumb(*model);
@@ -87,6 +85,7 @@ class Describer {
     if (!text.empty()) result_.guesses.push_back(std::move(text));
   }
   void problem(std::string what, std::string hint) {
+    if (what.empty()) return;
     result_.problems.push_back({std::move(what), std::move(hint)});
   }
 
@@ -373,21 +372,16 @@ void Describer::set_gains(const mjModel& model) {
 /// Links of the hand that overlap wherever it moves may go on doing so.
 void Describer::exclude_overlaps() {
   place_root(*spec_, hand().file);
-  const ModelHandle model = compile(*spec_);
   std::vector<hand::JointVector> everywhere;
   for (const double share : {0.0, 0.25, 0.5}) {
     everywhere.push_back(hand::joints_in_free_flexion(hand(), posture(share)));
   }
-  const auto overlapping = overlapping_links(*model, hand(), everywhere);
+  const auto overlapping = overlapping_links(*compile(*spec_), hand(), everywhere);
   hand().file.overlapping = let_all_collide(*spec_)
                                 ? overlapping_links(*compile(*spec_), hand(), everywhere)
                                 : overlapping;
-  std::vector<std::string> pairs;
-  for (const auto& [one, other] : overlapping) {
-    pairs.push_back(fmt::format("{} and {}", one, other));
-  }
-  if (pairs.empty()) return;
-  problem(fmt::format("links overlap in every posture: {}", first_of(pairs)),
+  if (overlapping.empty()) return;
+  problem(fmt::format("links overlap in every posture: {}", first_of(overlapping)),
           "they are let pass through one another; exclude the pairs in the file");
 }
 

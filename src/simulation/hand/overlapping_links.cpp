@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/hand/overlapping_links.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
 #include "simulation/hand/anatomy.hpp"
 #include "simulation/hand/hand_spec.hpp"
+#include "simulation/hand/model_checks.hpp"
 #include "simulation/world/mujoco_handles.hpp"
 
 namespace palpate::simulation {
@@ -62,6 +65,12 @@ std::vector<std::pair<std::string, std::string>> overlapping_links(
     names.emplace_back(model_name(model, mjOBJ_BODY, one), model_name(model, mjOBJ_BODY, other));
   }
   return names;
+}
+
+std::string first_of(const std::vector<std::pair<std::string, std::string>>& pairs) {
+  std::vector<std::string> texts;
+  for (const auto& [one, other] : pairs) texts.push_back(fmt::format("{} and {}", one, other));
+  return first_of(texts);
 }
 
 }  // namespace palpate::simulation

@@ -20,4 +20,7 @@ std::vector<std::pair<std::string, std::string>> overlapping_links(
     const mjModel& model, const hand::Description& hand,
     const std::vector<hand::JointVector>& postures);
 
+/// The first three pairs in words, and how many there are more.
+std::string first_of(const std::vector<std::pair<std::string, std::string>>& pairs);
+
 }  // namespace palpate::simulation

@@ -19,7 +19,8 @@ namespace {
 
 using Index = std::size_t;
 
-constexpr double kHeavy = 0.9;                   // kg m from the mount; the Shadow hand has 0.75
+constexpr double kHeavy = 4;                     // kg; the Shadow hand has 3.8
+constexpr double kHeavyLever = 0.9;              // kg m from the mount; the Shadow hand has 0.75
 constexpr double kGentle = 3, kGentleTurn = 10;  // m/s^2, rad/s^2
 constexpr double kTorqueLever = 0.025;  // m: noise of the torques over that of the mount's load
 
@@ -39,7 +40,8 @@ double weight_of_hand(const Scene& scene) {
 hand::MountLimits floating_limits(const Scene& scene, const mjData& data,
                                   const Eigen::Vector3d& mount) {
   const double lever = (vector3(data.subtree_com + 3 * scene.root) - mount).norm();
-  if (scene.model->body_subtreemass[scene.root] * lever <= kHeavy) return {};
+  const double mass = scene.model->body_subtreemass[scene.root];
+  if (mass <= kHeavy && mass * lever <= kHeavyLever) return {};
   return {.acceleration = kGentle, .turn_acceleration = kGentleTurn};
 }
 
