@@ -166,7 +166,7 @@ std::vector<hand::ActuatorVector> flat_postures(const hand::Description& hand) {
 
 hand::FlatHand find_flat(const hand::Description& hand) {
   hand::FlatHand best{all_bent(hand, 0), hand.postures.top.attitudes.front(), {0, 0}};
-  double largest = -1;
+  double largest = 0;
   for (const auto& positions : flat_postures(hand)) {
     const auto balls = surface(hand, positions);
     for_each_attitude(0.6, [&](const hand::Attitude& attitude) {

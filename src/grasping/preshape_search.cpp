@@ -324,8 +324,9 @@ hand::Description coarse(hand::Description hand) {
 
 using Cost = std::function<double(const HandPosture&)>;
 
-HandPosture least(const hand::Description& hand, const Cost& cost,
-                  const ProgressCallback& progress) {
+/// The posture of lowest cost: of random ones, and then of random changes of the best.
+HandPosture search(const hand::Description& hand, const Cost& cost,
+                   const ProgressCallback& progress) {
   RandomStream random(1, "preshape");
   HandPosture best;
   for (std::size_t i = 0; i < kSamples + kSteps; ++i) {
@@ -343,16 +344,14 @@ void search_preshape(const hand::Description& detailed, const ProgressCallback& 
                      HandPosture& best, hand::Attitude& other) {
   const hand::Description hand = coarse(detailed);
   const Trials trials = Trials::usual(), wide = Trials::wide();
-  best = least(
-      hand, [&](const auto& tried) { return trials.cost(hand, tried); }, progress);
+  const auto usual = [&](const auto& tried) { return trials.cost(hand, tried); };
+  best = search(hand, usual, progress);
   if (best.cost > 3.5 * kNoGrasp) {
     throw BadInput("the hand holds nothing: no posture was found in which its fingers oppose");
   }
   if (const double narrow = wide.cost(hand, best); narrow > kGivesWay) {
-    const auto both = [&](const auto& tried) {
-      return trials.cost(hand, tried) + wide.cost(hand, tried);
-    };
-    const HandPosture opened = least(hand, both, progress);
+    const auto both = [&](const auto& tried) { return usual(tried) + wide.cost(hand, tried); };
+    const HandPosture opened = search(hand, both, progress);
     if (opened.cost < best.cost + narrow) best = opened;
   }
   HandPosture steep = best;

@@ -52,10 +52,10 @@ struct FastOptions {
 
 /// Posterior of the object's pose in the evidence's frame, by tempered sequential Monte Carlo.
 ///
-/// Without a table or a prior at least one contact is needed, else the status is no_pose. Of more
-/// than 64 contacts so many are used; of contacts of one finger that nearly repeat one another
-/// (within twice their point_sigma, at most 3 mm) each group counts as one. no_pose is also the
-/// answer where even the best pose leaves the contacts unexplained.
+/// Without a table or a prior at least one contact is needed, else the status is no_pose; so it is
+/// where even the best pose does not explain the contacts. At most 64 contacts are used. Contacts
+/// of one finger at distances below two standard deviations (point_sigma; at most 3 mm) count as
+/// one measurement.
 /// @throws BadInput for evidence with values that are not finite, sigmas that are not positive,
 ///         contacts spread as if in millimetres, and a prior whose weights or covariances are none
 Posterior localize(const geometry::ObjectModel& model, const Evidence& evidence,

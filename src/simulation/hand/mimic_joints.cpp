@@ -18,7 +18,7 @@
 namespace palpate::simulation {
 namespace {
 
-constexpr double kLeastWay = 0.1;  // rad
+constexpr double kMinRange = 0.1;  // rad
 
 /// Two joints of the model: angle = offset + ratio * the leader's.
 struct Tie {
@@ -26,18 +26,18 @@ struct Tie {
   double ratio, offset;
 };
 
-/// Whether the limits of two joints leave them a way on which one follows the other.
+/// Whether the limits of both joints leave them a range in which one follows the other.
 bool can_move(const mjModel& model, const Tie& tie) {
   if (!model.jnt_limited[tie.joint] || !model.jnt_limited[tie.leader]) return true;
   const mjtNum* const own = model.jnt_range + 2 * tie.joint;
   const mjtNum* const leading = model.jnt_range + 2 * tie.leader;
   const auto [low, high] =
       std::minmax({tie.offset + tie.ratio * leading[0], tie.offset + tie.ratio * leading[1]});
-  return std::min(high, own[1]) - std::max(low, own[0]) > kLeastWay;
+  return std::min(high, own[1]) - std::max(low, own[0]) > kMinRange;
 }
 
-/// What an equality of a fixed tendon of two joints says: the tendon keeps its length. Files that
-/// count on a tendon that gives way, against the joints' limits, say nothing.
+/// The tie of an equality that holds a fixed tendon of two joints at its length. None where the
+/// joints' limits contradict it: such files rely on a soft equality.
 std::optional<Tie> tie_by_tendon(const mjModel& model, int equality) {
   if (model.eq_type[equality] != mjEQ_TENDON || model.eq_obj2id[equality] >= 0) return {};
   const int tendon = model.eq_obj1id[equality], first = model.tendon_adr[tendon];

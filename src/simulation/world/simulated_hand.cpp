@@ -177,7 +177,7 @@ void SimulatedHand::reset(const hand::HandCommand& command) {
   for (Index i = 0; i < scene_.mount_positions.size(); ++i) {  // there already, and at rest
     data_.qpos[scene_.mount_positions[i]] = data_.ctrl[scene_.base_actuators[i]];
   }
-  mj_kinematics(scene_.model.get(), &data_);
+  mj_kinematics(scene_.model.get(), &data_);  // for the centre of mass
   mj_comPos(scene_.model.get(), &data_);
   limits_ = floating_limits(scene_, data_, commanded_.xyz);
   integral_.reset();

@@ -11,13 +11,13 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kMostTicks = 1e9;
+constexpr double kMaxTicks = 1e9;
 constexpr double kRounding = 1e-9;  // relative, of speeds that are differences of positions
 
-/// At most kMostTicks; none for NaN, which no command passes the gate with.
+/// At most kMaxTicks; none for NaN, which no command passes the gate with.
 int ticks_at_least(double seconds) {
   const double ticks = std::ceil(seconds / hand::kTick - kRounding);
-  return ticks > 0 ? static_cast<int>(std::min(ticks, kMostTicks)) : 0;
+  return ticks > 0 ? static_cast<int>(std::min(ticks, kMaxTicks)) : 0;
 }
 
 /// Largest step of one tick after one of a speed.
@@ -65,7 +65,7 @@ void SpeedProfile::limit(double way, double max_speed, double max_acceleration) 
 
 void SpeedProfile::stretch(double times) {
   if (times <= 1) return;
-  steady_ = static_cast<int>(std::min(std::ceil(steady_ * times), kMostTicks));
+  steady_ = static_cast<int>(std::min(std::ceil(steady_ * times), kMaxTicks));
   ramp_way_ *= times * times;
 }
 
