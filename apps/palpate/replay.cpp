@@ -21,7 +21,7 @@
 namespace palpate::app {
 namespace {
 
-constexpr std::string_view kTracking = "touch.tracking.";
+constexpr std::string_view kTracking = "touch.tracking.", kResting = "touch.resting.";
 
 struct ReplayArguments {
   CommonOptions common;
@@ -96,16 +96,15 @@ std::string end_of(const recording::Recording& recording) {
   return fmt::format("the recording ends in phase {} ({}); nothing was held", phase, how);
 }
 
-bool is_of_tracker(std::string_view key) {
+bool is_of_estimates(std::string_view key) {
   if (key.starts_with(kExpertSection)) key.remove_prefix(kExpertSection.size());
-  return key.starts_with(kTracking);
+  return key.starts_with(kTracking) || key.starts_with(kResting);
 }
 
-/// Options of the tracker of an episode, changed by --config and --set.
+/// Options of the estimates of an episode, changed by --config and --set.
 /// @throws BadInput for another value of what a replay does not read
-estimation::OnlineTrackerOptions tracker_options(const recording::Recording& recording,
-                                                 const CommonOptions& common,
-                                                 const std::string& name) {
+relocate::RelocationOptions episode_options(const recording::Recording& recording,
+                                            const CommonOptions& common, const std::string& name) {
   RolloutOptions options;
   parse_toml(recording.header.config_toml, name, options, Earlier::accepted);
   const auto recorded = list_options(options);
@@ -113,13 +112,13 @@ estimation::OnlineTrackerOptions tracker_options(const recording::Recording& rec
   for (const auto& assignment : common.set) apply_setting(assignment, options);
   const auto asked = list_options(options);
   for (std::size_t i = 0; i < asked.size(); ++i) {
-    if (asked[i].value == recorded[i].value || is_of_tracker(asked[i].key)) continue;
+    if (asked[i].value == recorded[i].value || is_of_estimates(asked[i].key)) continue;
     throw BadInput(
-        fmt::format("{} = {}: of an episode by touch a replay reads {}* only, and does "
-                    "not change what was done and sensed",
-                    asked[i].key, asked[i].value, kTracking));
+        fmt::format("{} = {}: of an episode by touch a replay reads {}* and {}* only, "
+                    "and does not change what was done and sensed",
+                    asked[i].key, asked[i].value, kTracking, kResting));
   }
-  return options.touch.tracking;
+  return options.touch;
 }
 
 Replayed replay_episode(const ReplayArguments& arguments, const recording::Recording& recording) {
@@ -129,7 +128,7 @@ Replayed replay_episode(const ReplayArguments& arguments, const recording::Recor
         "rollout --touch --record 1 records one by touch)",
         arguments.recording));
   }
-  const auto options = tracker_options(recording, arguments.common, arguments.recording);
+  const auto options = episode_options(recording, arguments.common, arguments.recording);
   return {relocate::replay_episode(recording, options), recording.frames.size(), ""};
 }
 

@@ -93,10 +93,11 @@ class Runner {
   std::optional<relocate::Relocation> relocation_;
 };
 
+template <class Value>
 double median_of(const std::vector<relocate::TouchEpisode>& by_touch,
-                 double relocate::TouchEpisode::*value) {
+                 Value relocate::TouchEpisode::*value) {
   std::vector<double> values;
-  for (const auto& episode : by_touch) values.push_back(episode.*value);
+  for (const auto& episode : by_touch) values.push_back(static_cast<double>(episode.*value));
   return median(values);
 }
 
@@ -158,6 +159,7 @@ json touch_json(const std::vector<relocate::TouchEpisode>& by_touch) {
     seconds += episode.estimates * episode.estimate_seconds;
   }
   return {{"explored", std::ranges::count_if(by_touch, &TouchEpisode::explored)},
+          {"explore_seconds", hand::kTick * median_of(by_touch, &TouchEpisode::explore_steps)},
           {"resting_error_mm", 1e3 * median_of(by_touch, &TouchEpisode::resting_error)},
           {"reported_error_mm", 1e3 * median_of(by_touch, &TouchEpisode::reported_error)},
           {"estimates", estimates / static_cast<double>(by_touch.size())},
@@ -167,11 +169,12 @@ json touch_json(const std::vector<relocate::TouchEpisode>& by_touch) {
 void print_touch(const std::vector<relocate::TouchEpisode>& by_touch) {
   const json touch = touch_json(by_touch);
   fmt::print(
-      "by touch    {} explored; the reported place was {:.1f} mm off at first (in x and y), {:.1f} "
-      "mm "
-      "at the end (medians); {:.1f} estimates in the grasp\n",
-      touch["explored"].get<int>(), touch["resting_error_mm"].get<double>(),
-      touch["reported_error_mm"].get<double>(), touch["estimates"].get<double>());
+      "by touch    {} explored, in {:.0f} s; the reported place was {:.1f} mm off at first (in x "
+      "and "
+      "y), {:.1f} mm at the end (medians); {:.1f} estimates in the grasp\n",
+      touch["explored"].get<int>(), touch["explore_seconds"].get<double>(),
+      touch["resting_error_mm"].get<double>(), touch["reported_error_mm"].get<double>(),
+      touch["estimates"].get<double>());
 }
 
 /// What the policy observes, as reported.
@@ -283,9 +286,8 @@ void add_rollout(CLI::App& program, Command& chosen) {
   add_common_options(command, arguments->common);
   command.footer(
       "The hand brings a mug from the table to a target in the air within 99 steps of 10 ms.\n"
-      "With --touch a finger explores the resting object first, and the fingertips track it in "
-      "the\n"
-      "grasp (options touch.*); that takes some ten seconds per episode.\n"
+      "With --touch the hand first explores the resting object with a finger, and its fingertips\n"
+      "track the object in the grasp (options touch.*); that takes some ten seconds per episode.\n"
       "With --out every episode goes to DIR/episodes.csv, which palpate compare reads. A "
       "recording\n"
       "shows the Shadow hand, of which the Adroit hand of the task is a model. A recording by "

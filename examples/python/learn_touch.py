@@ -16,7 +16,7 @@ import gymnasium
 import numpy as np
 import torch
 from stable_baselines3 import PPO
-from stable_baselines3.common.callbacks import MountCallback
+from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import SubprocVecEnv
 
 FIRST_SEED = 9000
@@ -37,7 +37,7 @@ def make(given):
     return gymnasium.wrappers.TransformObservation(env, in_decimetres, space)
 
 
-class Clock(MountCallback):
+class Clock(BaseCallback):
     """Ends learning when the time is up."""
 
     def __init__(self, seconds):

@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/evaluation/credible_poses.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "palpate/core/random.hpp"
+#include "palpate/core/se3.hpp"
 
 namespace palpate::evaluation {
 namespace {
 
-constexpr int kPosesOfAxis = 9;      // of a mode with a free axis
-constexpr int kPriorPoses = 40;      // before the first touch, about
-constexpr double kNotDrawn = 0.003;  // probability below which a pose is left out,
+constexpr int kPosesOfAxis = 9;        // of a mode with a free axis
+constexpr std::size_t kMaxPoses = 60;  // of a posterior, in a note
+constexpr int kPriorPoses = 40;        // before the first touch, about
+constexpr double kNotDrawn = 0.003;    // probability below which a pose is left out,
 constexpr double kAmongEqual =
     0.3;  // or share of the most probable one's, where all are improbable
 constexpr double kCellRadius = localization::PoseTolerance{}.translation;  // m, of a ball of poses
@@ -64,6 +69,15 @@ std::vector<CrediblePose> credible_poses(const localization::Posterior& posterio
   std::erase_if(poses, [&](const CrediblePose& pose) { return pose.probability < least; });
   poses.resize(std::min(poses.size(), most));
   return poses;
+}
+
+std::string credible_note(const localization::Posterior& posterior) {
+  std::string text = "credible";
+  for (const auto& pose : credible_poses(posterior, kMaxPoses)) {
+    text += fmt::format(" {:.4g} {:.6g}", pose.probability,
+                        fmt::join(pose_to_row_major(pose.T_frame_object), " "));
+  }
+  return text;
 }
 
 std::vector<CrediblePose> prior_poses(const geometry::KnownObject& object,

@@ -17,8 +17,6 @@
 namespace palpate::evaluation {
 namespace {
 
-constexpr std::size_t kMaxPoses = 60;  // of a posterior, in a note
-
 /// Places of the object's centroid along the transport as it was planned: x y z of each, m.
 std::vector<double> planned_path(const skills::PlaceResult& placed) {
   constexpr std::size_t kStep = 10;  // samples
@@ -48,12 +46,7 @@ void Recorder::event(estimation::TouchEvent event) {
 
 void Recorder::posterior(const localization::Posterior& posterior) {
   if (!sink_) return;
-  std::string text = "credible";
-  for (const auto& pose : credible_poses(posterior, kMaxPoses)) {
-    text += fmt::format(" {:.4g} {:.6g}", pose.probability,
-                        fmt::join(pose_to_row_major(pose.T_frame_object), " "));
-  }
-  sink_->event({time_, recording::EventKind::note, phase_, text});
+  sink_->event({time_, recording::EventKind::note, phase_, credible_note(posterior)});
 }
 
 void Recorder::estimate(double time, const estimation::HeldPoseEstimate& estimate) {

@@ -32,7 +32,8 @@ TEST(RelocateTouch, TheHandMovesAsTheSimulatorMovesIt) {
   for (int trial = 0; trial < 20; ++trial) {
     const RelocateJoints q = random_joints(random);
     Eigen::VectorXd below = q.tail(static_cast<Eigen::Index>(oracle.joint_names().size()));
-    const auto expected = oracle.evaluate(below, points).positions;
+    const Eigen::Matrix3d R_mount_forearm = hand.links.front().T_parent_link.linear();
+    const Eigen::Matrix3Xd expected = R_mount_forearm * oracle.evaluate(below, points).positions;
     const auto T_mount_link = hand::forward_kinematics(hand, shadow_joints(q));
     for (std::size_t finger = 0; finger < names.size(); ++finger) {
       const auto link = static_cast<std::size_t>(hand.fingers[finger].link);

@@ -122,7 +122,7 @@ TEST(Relocation, ARecordingIsEstimatedAgainBitForBit) {
   const auto path = folder.path() / "episode.h5";
   recording::write_recording(path, recording);
   const auto read = recording::read_recording(path);
-  const auto again = replay_episode(read, options.tracking);
+  const auto again = replay_episode(read, options);
   const auto& last = recording.estimates.back();
   ASSERT_EQ(again.posterior.modes.size(), last.modes.size());
   EXPECT_EQ(again.posterior.modes.front().T_frame_object.matrix(),
@@ -130,11 +130,37 @@ TEST(Relocation, ARecordingIsEstimatedAgainBitForBit) {
   EXPECT_EQ(again.posterior.modes.front().weight, last.modes.front().weight);
   EXPECT_EQ(again.contacts.size(), last.contacts.size());
 
-  auto other = options.tracking;
-  other.translation_sigma *= 2;
+  auto other = options;
+  other.tracking.translation_sigma *= 2;
   EXPECT_NE(replay_episode(read, other).posterior.modes.front().T_frame_object.matrix(),
             last.modes.front().T_world_object.matrix());
   EXPECT_THROW((void)replay_episode(record_episode(box_task(), *policy, {}, 74, 1), {}), BadInput);
+}
+
+// From the readings of the exploration, in the world in which the policy then carries.
+TEST(Relocation, AnExploredEpisodeIsEstimatedAgainBitForBit) {
+  RelocationOptions options;
+  options.exploring.touches = options.exploring.max_touches = 4;
+  options.exploring.refining = 0;
+  EpisodeOptions episode;
+  episode.horizon = 60;
+  recording::Recording recording;
+  const auto recorded =
+      Relocation(box_task(), options).run(*box_policy(), episode, 76, 0, &recording);
+  ASSERT_TRUE(recorded.explored);
+  ASSERT_GT(recorded.estimates, 0);
+  EXPECT_EQ(recording.frames.size(),  // and one before the first step
+            static_cast<std::size_t>(1 + recorded.explore_steps + recorded.episode.steps));
+  const auto again = replay_episode(recording, options);
+  const auto& last = recording.estimates.back();
+  ASSERT_EQ(again.posterior.modes.size(), last.modes.size());
+  EXPECT_EQ(again.posterior.modes.front().T_frame_object.matrix(),
+            last.modes.front().T_world_object.matrix());
+
+  auto other = options;
+  other.resting.resting_tilt_sigma *= 3;
+  EXPECT_NE(replay_episode(recording, other).posterior.modes.front().T_frame_object.matrix(),
+            last.modes.front().T_world_object.matrix());
 }
 
 // Contacts of an estimate are on the object where it truly is, but for the errors of the sensors.

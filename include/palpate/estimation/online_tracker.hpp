@@ -20,15 +20,24 @@ inline EstimationOptions estimation_in_motion() {
   return options;
 }
 
+/// One that takes less time than OnlineTrackerOptions::period.
+inline EstimationOptions estimation_of_tracker() {
+  EstimationOptions options = estimation_in_motion();
+  options.search.proposals = 1000;
+  options.search.particles = 60;
+  options.search.starts = 20;
+  return options;
+}
+
 /// How an object is followed by touch from the table into a moving grasp.
 struct OnlineTrackerOptions {
   bool estimate = true;         ///< in the grasp, else the object is taken to go with the palm
-  double period = 0.1;          ///< s from one estimate to the next, and until it is there
+  double period = 0.05;         ///< s from one estimate to the next, and until it is there
   int fingers = 2;              ///< that must touch for an estimate
   double lifts = 0.005;         ///< m that the palm has risen: what the hand touches goes along
   double rotation_sigma = 0.2;  ///< rad, by which the object turns unforeseen in a period, per axis
   double translation_sigma = 0.008;  ///< m, by which it moves so
-  EstimationOptions estimation = estimation_in_motion();
+  EstimationOptions estimation = estimation_of_tracker();
 
   template <class Visitor>
   void visit(Visitor&& v) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "palpate/estimation/estimate.hpp"
@@ -20,6 +21,9 @@ struct CrediblePose {
 ///         the most probable one has hardly more
 std::vector<CrediblePose> credible_poses(const localization::Posterior& posterior,
                                          std::size_t most);
+
+/// Text of the note that a recording has of them: probability and pose of each, row by row.
+std::string credible_note(const localization::Posterior& posterior);
 
 /// What is believed before the first touch, drawn: any stable pose with any yaw, near the rough
 /// place. Each stands for its ball of 5 deg and 10 mm alone, so that together they have little of

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <ranges>
 #include <string>
 
 #include "palpate/core/se3.hpp"
@@ -22,10 +24,14 @@ const char* phase_of(const Eigen::Vector3d& object, double start_height,
   return (object - target).norm() < kArrived ? "hold" : "carry";
 }
 
-void add_phases(const Eigen::Vector3d& target, recording::Recording& recording) {
-  const double start_height = recording.frames.front().truth->T_world_object.translation().z();
+/// @param begin  s, of the policy; what was before is no phase of the episode
+void add_phases(const Eigen::Vector3d& target, double begin, recording::Recording& recording) {
+  const auto first = std::ranges::find_if(
+      recording.frames, [&](const auto& frame) { return frame.reading.time >= begin; });
+  if (first == recording.frames.end()) return;
+  const double start_height = first->truth->T_world_object.translation().z();
   std::string phase;
-  for (const recording::Frame& frame : recording.frames) {
+  for (const auto& frame : std::ranges::subrange(first, recording.frames.end())) {
     const double time = frame.reading.time;
     const char* const now =
         phase_of(frame.truth->T_world_object.translation(), start_height, target);
@@ -41,10 +47,12 @@ void add_phases(const Eigen::Vector3d& target, recording::Recording& recording) 
 
 void add_episode_events(const Eigen::Isometry3d& T_world_target, recording::Recording& recording) {
   if (recording.frames.empty()) return;
-  recording.events.push_back(
+  const double begin = recording.estimates.empty() ? 0 : recording.estimates.front().time;
+  recording.events.insert(
+      recording.events.begin(),
       {0, EventKind::note, kFirstPhase,
        fmt::format("target {}", fmt::join(pose_to_row_major(T_world_target), " "))});
-  add_phases(T_world_target.translation(), recording);
+  add_phases(T_world_target.translation(), begin, recording);
 }
 
 }  // namespace palpate::relocate

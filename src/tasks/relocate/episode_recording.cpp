@@ -7,9 +7,11 @@
 #include "palpate/core/version.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/recording/estimate_record.hpp"
+#include "palpate/recording/touch_log.hpp"
 #include "palpate/tasks/relocate/drawn_task.hpp"
 #include "palpate/tasks/relocate/relocate_task.hpp"
 #include "tasks/relocate/episode_events.hpp"
+#include "tasks/relocate/exploration.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -26,6 +28,18 @@ recording::Frame frame_at(DrawnTask& drawn, int step, const Eigen::VectorXd& pos
   frame.command = {hand::actuator_positions(drawn.hand(), state.joints), state.mount};
   frame.truth = {state.T_world_object, state.joints};
   return frame;
+}
+
+/// The pose of the resting object, from its exploration if there was one that led to a pose.
+localization::Posterior resting(const recording::Recording& recording,
+                                const geometry::ObjectModel& object,
+                                const estimation::EstimationOptions& options) {
+  if (const auto place = explored_place(recording)) {
+    auto estimated = resting_pose(object, *place, recording.header.hand,
+                                  recording::event_log(recording), options, recording.header.seed);
+    if (estimated.residual_mass() < 1) return estimated;
+  }
+  return recording::posterior_of(recording.estimates.front());
 }
 
 }  // namespace
@@ -57,15 +71,18 @@ bool is_episode(const recording::Recording& recording) {
 }
 
 estimation::HeldPoseEstimate replay_episode(const recording::Recording& recording,
-                                            const estimation::OnlineTrackerOptions& options) {
+                                            const RelocationOptions& options) {
   if (recording.estimates.empty()) {
     throw BadInput("an episode with the true pose of the object: nothing was estimated in it");
   }
   const geometry::ObjectModel object(recording.header.object);
+  const double begin = recording.estimates.front().time;
   estimation::OnlineTracker tracker(object, recording.header.hand,
-                                    recording::posterior_of(recording.estimates.front()), options,
+                                    resting(recording, object, options.resting), options.tracking,
                                     recording.header.seed);
-  for (const recording::Frame& frame : recording.frames) tracker.update(frame.reading);
+  for (const recording::Frame& frame : recording.frames) {
+    if (frame.reading.time >= begin) tracker.update(frame.reading);
+  }
   return tracker.newest();
 }
 

@@ -11,6 +11,7 @@
 
 #include "palpate/core/error.hpp"
 #include "tasks/relocate/relocate_model.hpp"
+#include "tasks/relocate/task_arm.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -25,12 +26,6 @@ int id_of(const mjModel& model, mjtObj type, const char* name) {
   const int id = mj_name2id(&model, type, name);
   if (id < 0) throw BadInput(fmt::format("the hand's model has no '{}'", name));
   return id;
-}
-
-/// Angles about x, y, z, one after the other, each about the axis that the former have turned.
-Eigen::Vector3d xyz_angles(const Eigen::Matrix3d& R) {
-  return {std::atan2(-R(1, 2), R(2, 2)), std::asin(std::clamp(R(0, 2), -1.0, 1.0)),
-          std::atan2(-R(0, 1), R(0, 0))};
 }
 
 }  // namespace

@@ -5,16 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <numbers>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/parallel.hpp"
 #include "palpate/core/se3.hpp"
-#include "palpate/evaluation/trial.hpp"
+#include "tasks/relocate/exploration.hpp"
 #include "tasks/relocate/relocated_object.hpp"
 #include "tasks/relocate/touch_recorder.hpp"
 
@@ -26,27 +24,27 @@ constexpr int kYaws = 24;  // of an object of which only the rough place is know
 constexpr double kTilt = 1e-4, kHeight = 1e-6, kLeast = 1e-8;
 constexpr double kSameTilt = 0.1;  // rad, of a stable pose from how the object starts
 
-/// How an object of that orientation stands: in which stable pose, by which yaw.
-simulation::Start standing(const geometry::KnownObject& object,
-                           const Eigen::Matrix3d& R_world_object) {
-  simulation::Start start{-1, 0, Eigen::Vector2d::Zero()};
+/// The object with the stable pose in which one of that orientation stands, and no other.
+geometry::KnownObject standing(geometry::KnownObject object,
+                               const Eigen::Matrix3d& R_world_object) {
+  std::optional<geometry::StablePose> found;
   double least = kSameTilt;
-  for (std::size_t i = 0; i < object.stable_poses.size(); ++i) {
-    const Eigen::Matrix3d R_world_table =
-        R_world_object * object.stable_poses[i].R_table_object.transpose();
+  for (const geometry::StablePose& stable_pose : object.stable_poses) {
+    const Eigen::Matrix3d R_world_table = R_world_object * stable_pose.R_table_object.transpose();
     const double tilt = std::acos(std::clamp(R_world_table(2, 2), -1.0, 1.0));
     if (tilt >= least) continue;
     least = tilt;
-    start.stable_pose = static_cast<int>(i);
-    start.yaw = std::atan2(R_world_table(1, 0), R_world_table(0, 0));
+    found = stable_pose;
   }
-  if (start.stable_pose < 0) {
+  if (!found) {
     throw BadInput(
         fmt::format("{} does not stand on its own as the task has it stand: it has no "
                     "stable pose within {} rad of that",
                     object.name, kSameTilt));
   }
-  return start;
+  found->probability = 1;
+  object.stable_poses = {*found};
+  return object;
 }
 
 /// What the policy meets if the object is at that place.
@@ -75,50 +73,23 @@ Relocation::Relocation(const TaskOptions& task, const RelocationOptions& options
     : options_(options),
       shape_(make_object(task)),
       model_(make_model(task)),
-      object_(known_object(shape_, model_.object_mass())),
-      standing_(standing(object_.object(), shape_.start_rotation.toRotationMatrix())) {}
+      object_(standing(known_object(shape_, model_.object_mass()),
+                       shape_.start_rotation.toRotationMatrix())) {}
 
-/// The estimate by touch of the object that a world puts there; no pose if there is none.
-localization::Posterior Relocation::explored(const Eigen::Vector2d& place,
-                                             std::uint64_t seed) const {
-  simulation::WorldOptions world_options;
-  world_options.noise = options_.noise;
-  simulation::World world(object_.object(), world_options, seed);
-  world.reset({standing_.stable_pose, standing_.yaw, place},
-              evaluation::waiting_command(world.hand_model()));
-  skills::Executor robot(world.hand(), world.hand_model(),
-                         evaluation::waiting_command(world.hand_model()));
-  skills::PickState state;
-  try {
-    skills::HeightProbePhase height_probe(
-        options_.height_probe,
-        geometry::top_of(object_.object(), object_.object().stable_poses[standing_.stable_pose]));
-    estimation::PoseEstimator estimator(object_, options_.resting, seed);
-    skills::ExplorePhase explore(estimator, options_.exploring);
-    if (skills::run_phase(height_probe, robot, state).status == skills::PhaseStatus::ok)
-      skills::run_phase(explore, robot, state);
-  } catch (const std::exception&) {
-    if (!world.diverged()) throw;
-  }
-  if (world.diverged() || !state.resting) return {};
-  return *state.resting;
-}
-
-/// What is known at the origin of an object of which only the rough place, and on which side it
-/// stands, are known.
-localization::Posterior Relocation::rough(RandomStream random) const {
-  const auto& stable_pose =
-      object_.object().stable_poses[static_cast<std::size_t>(standing_.stable_pose)];
+/// What is known of an object of which only the rough place, and in which stable pose it is, are
+/// known.
+localization::Posterior Relocation::rough(const Eigen::Vector2d& place, RandomStream random) const {
+  const auto& stable_pose = object_.object().stable_poses.front();
   const double first_yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
-  const double place = options_.uncertainty * options_.uncertainty / 3;
+  const double place_variance = options_.uncertainty * options_.uncertainty / 3 + kLeast;
   const double yaw = std::numbers::pi / kYaws;
   Vector6d variance;
-  variance << kTilt, kTilt, yaw * yaw, place + kLeast, place + kLeast, kHeight;
+  variance << kTilt, kTilt, yaw * yaw, place_variance, place_variance, kHeight;
   localization::Posterior posterior;
   posterior.status = localization::PoseStatus::ambiguous;
   for (int i = 0; i < kYaws; ++i) {
     localization::Mode mode;
-    mode.T_frame_object.translation().z() = stable_pose.height;
+    mode.T_frame_object.translation() << place, stable_pose.height;
     mode.T_frame_object.linear() =
         Eigen::AngleAxisd(first_yaw + 2 * yaw * i, Eigen::Vector3d::UnitZ()) *
         stable_pose.R_table_object;
@@ -129,23 +100,13 @@ localization::Posterior Relocation::rough(RandomStream random) const {
   return posterior;
 }
 
-/// What is known of the object when the policy starts, in the task, and whether it was explored.
-std::pair<localization::Posterior, bool> Relocation::resting(const RelocateStart& start,
-                                                             const RandomStream& random) const {
-  RandomStream chance = random.fork("place");
-  Eigen::Vector2d from_rough;
-  for (double& value : from_rough) value = chance.uniform(-1, 1) * options_.uncertainty;
-  localization::Posterior known;
-  if (options_.explore) known = explored(from_rough, random.fork("explore").bits());
-  const bool is_explored = known.residual_mass() < 1;
-  if (!is_explored) known = rough(random.fork("rough"));
-
+/// Where the object's centroid is, within the uncertainty.
+Eigen::Vector2d Relocation::rough_place(const RelocateStart& start, RandomStream random) const {
   const Eigen::Vector3d centroid =
       shape_.start_rotation * object_.object().T_mesh_object.translation();
-  const Eigen::Vector2d rough_place = start.object + centroid.head<2>() - from_rough;
-  estimation::transform(
-      Eigen::Isometry3d(Eigen::Translation3d(rough_place.x(), rough_place.y(), 0)), known);
-  return {known, is_explored};
+  Eigen::Vector2d place = start.object + centroid.head<2>();
+  for (double& value : place) value -= random.uniform(-1, 1) * options_.uncertainty;
+  return place;
 }
 
 TouchEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode,
@@ -154,19 +115,31 @@ TouchEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode
   check_by_touch(episode);
   const auto start = episode_start(episode, seed, index);
   const RandomStream random = RandomStream(seed, "relocation").fork("episode", index);
-  TouchEpisode result;
-  localization::Posterior known;
-  std::tie(known, result.explored) = resting(start, random);
-
+  const geometry::KnownObject& object = object_.object();
   RelocateTask task(model_);
   task.reset(start);
-  RelocateTouch touch(model_, options_.noise, random.fork("touch").bits());
-  const std::uint64_t tracker_seed = random.fork("felt").bits();
-  const geometry::KnownObject& object = object_.object();
-  estimation::OnlineTracker tracker(object_, touch.hand_model(), known, options_.tracking,
-                                    tracker_seed);
+  const RelocateTouch touch(model_, options_.noise, random.fork("touch").bits());
+  const std::uint64_t estimator_seed = random.fork("felt").bits();
   std::optional<TouchRecorder> recorder;
-  if (recording) recorder.emplace(*recording, object, touch.hand_model(), tracker_seed, known);
+  if (recording) {
+    recorder.emplace(task, object, touch.hand_model(), estimator_seed, *recording);
+  }
+
+  TouchEpisode result;
+  const Eigen::Vector2d place = rough_place(start, random.fork("place"));
+  localization::Posterior known;
+  if (options_.explore) {
+    TaskHand hand(task, model_, touch);
+    known = explore(hand, touch.hand_model(), {object_, place}, options_, estimator_seed,
+                    recorder ? &*recorder : nullptr);
+    result.explored = known.residual_mass() < 1;
+    result.explore_steps = hand.steps();
+  }
+  if (!result.explored) known = rough(place, random.fork("rough"));
+  const int first = options_.explore ? result.explore_steps + 1 : 0;
+  if (recorder) recorder->begin(known, first * hand::kTick);
+  estimation::OnlineTracker tracker(object_, touch.hand_model(), known, options_.tracking,
+                                    estimator_seed);
 
   const auto reported_place = [&]() -> Eigen::Vector3d {
     return tracker.T_world_object() * object.T_mesh_object.inverse().translation();
@@ -175,14 +148,13 @@ TouchEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode
     return reported_place() - object_pose(task.positions()).translation();
   };
   result.resting_error = error().head<2>().norm();
-  result.episode =
-      run_episode(task, start, episode.horizon, [&](int step, const PolicyInput& input) {
-        const hand::HandReading reading = touch.read(task, step);
-        tracker.update(reading);
-        if (recorder) recorder->step(reading, task, tracker);
-        result.reported_error = error().norm();
-        return policy.act(with_place(input, reported_place(), start));
-      });
+  result.episode = continue_episode(task, episode.horizon, [&](int step, const PolicyInput& input) {
+    const hand::HandReading reading = touch.read(task, first + step);
+    tracker.update(reading);
+    if (recorder) recorder->step(reading, tracker);
+    result.reported_error = error().norm();
+    return policy.act(with_place(input, reported_place(), start));
+  });
   if (recorder) recorder->finish(start.target);
   result.estimates = tracker.estimates();
   if (tracker.estimates() > 0) result.estimate_seconds = tracker.seconds() / tracker.estimates();

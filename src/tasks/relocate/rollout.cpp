@@ -105,6 +105,10 @@ RelocateStart episode_start(const EpisodeOptions& options, std::uint64_t episode
 Episode run_episode(RelocateTask& task, const RelocateStart& start, int horizon, const Agent& agent,
                     Path* path) {
   task.reset(start);
+  return continue_episode(task, horizon, agent, path);
+}
+
+Episode continue_episode(RelocateTask& task, int horizon, const Agent& agent, Path* path) {
   if (path) *path = make_path(horizon, task.positions().size());
   Episode episode;
   while (episode.steps < horizon && !episode.diverged) {

@@ -1,35 +1,65 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tasks/relocate/touch_recorder.hpp"
 
-#include <string>
+#include <fmt/format.h>
 
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "palpate/core/error.hpp"
 #include "palpate/core/version.hpp"
+#include "palpate/evaluation/credible_poses.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/recording/estimate_record.hpp"
+#include "palpate/recording/touch_log.hpp"
 #include "palpate/tasks/relocate/relocate_touch.hpp"
 #include "tasks/relocate/episode_events.hpp"
 #include "tasks/relocate/relocated_object.hpp"
 
 namespace palpate::relocate {
+namespace {
 
-TouchRecorder::TouchRecorder(recording::Recording& recording, const geometry::KnownObject& object,
+constexpr const char* kExplore = "explore";
+constexpr std::string_view kPlace = "rough place ";
+
+}  // namespace
+
+TouchRecorder::TouchRecorder(const RelocateTask& task, const geometry::KnownObject& object,
                              const hand::Description& hand, std::uint64_t seed,
-                             const localization::Posterior& resting)
-    : recording_(recording) {
+                             recording::Recording& recording)
+    : task_(task), recording_(recording) {
   recording_ = {};
   recording_.header = {std::string(version()), seed, object, hand, ""};
-  recording_.estimates.push_back(recording::estimate_record(0, {resting, {}}));
 }
 
-void TouchRecorder::step(const hand::HandReading& reading, const RelocateTask& task,
+skills::Executor::Observer TouchRecorder::observer(const Eigen::Vector2d& place) {
+  place_ = place;
+  return {.on_tick = [this](const auto& reading, const auto& command) { frame(reading, command); },
+          .on_event =
+              [this](estimation::TouchEvent touch) {
+                event(recording::EventKind::note, recording::touch_note(touch));
+              },
+          .on_posterior =
+              [this](const localization::Posterior& posterior) {
+                event(recording::EventKind::note, evaluation::credible_note(posterior));
+              }};
+}
+
+void TouchRecorder::explored(std::string_view outcome) {
+  if (recording_.frames.empty()) return;
+  event(recording::EventKind::end, std::string(outcome));
+}
+
+void TouchRecorder::begin(const localization::Posterior& resting, double time) {
+  recording_.estimates.push_back(recording::estimate_record(time, {resting, {}}));
+}
+
+void TouchRecorder::step(const hand::HandReading& reading,
                          const estimation::OnlineTracker& tracker) {
   const hand::Description& hand = recording_.header.hand;
-  const hand::JointVector joints = shadow_joints(task.positions().head<kRelocateJoints>());
-  const Eigen::Isometry3d T_world_object =
-      object_pose(task.positions()) * recording_.header.object.T_mesh_object;
-  recording_.frames.push_back({reading,
-                               {hand::actuator_positions(hand, joints), reading.mount},
-                               recording::FrameTruth{T_world_object, joints}});
+  const hand::JointVector joints = shadow_joints(task_.positions().head<kRelocateJoints>());
+  frame(reading, {hand::actuator_positions(hand, joints), reading.mount});
   if (tracker.estimates() == estimates_) return;
   estimates_ = tracker.estimates();
   recording_.estimates.push_back(recording::estimate_record(reading.time, tracker.newest()));
@@ -41,6 +71,33 @@ void TouchRecorder::finish(const Eigen::Vector3d& target) {
   Eigen::Isometry3d T_world_task = T_world_first * T_task_object.inverse();
   T_world_task.translation() = target;
   add_episode_events(T_world_task * T_task_object, recording_);
+}
+
+void TouchRecorder::frame(const hand::HandReading& reading, const hand::HandCommand& command) {
+  const Eigen::Isometry3d T_world_object =
+      object_pose(task_.positions()) * recording_.header.object.T_mesh_object;
+  const hand::JointVector joints = shadow_joints(task_.positions().head<kRelocateJoints>());
+  recording_.frames.push_back({reading, command, recording::FrameTruth{T_world_object, joints}});
+  if (!place_) return;
+  event(recording::EventKind::begin, "");
+  event(recording::EventKind::note, fmt::format("{}{} {}", kPlace, place_->x(), place_->y()));
+  place_.reset();
+}
+
+void TouchRecorder::event(recording::EventKind kind, std::string text) {
+  recording_.events.push_back(
+      {recording_.frames.back().reading.time, kind, kExplore, std::move(text)});
+}
+
+std::optional<Eigen::Vector2d> explored_place(const recording::Recording& recording) {
+  for (const recording::Event& event : recording.events) {
+    if (event.phase != kExplore || !event.text.starts_with(kPlace)) continue;
+    std::istringstream values(event.text.substr(kPlace.size()));
+    Eigen::Vector2d place;
+    if (values >> place.x() >> place.y() && place.allFinite()) return place;
+    throw BadInput(fmt::format("the recording has a place that is none: {:?}", event.text));
+  }
+  return std::nullopt;
 }
 
 }  // namespace palpate::relocate

@@ -3,9 +3,8 @@
 
 #include <cstdint>
 
-#include "palpate/estimation/online_tracker.hpp"
 #include "palpate/recording/recording.hpp"
-#include "palpate/tasks/relocate/rollout.hpp"
+#include "palpate/tasks/relocate/relocation.hpp"
 
 namespace palpate::relocate {
 
@@ -22,10 +21,11 @@ recording::Recording record_episode(const TaskOptions& task, const Policy& polic
 /// Whether it is an episode of the relocate task, with the true pose or by touch.
 bool is_episode(const recording::Recording& recording);
 
-/// Estimates the object's pose in an episode by touch again, from its readings and the pose of the
-/// resting object. With the options of the recording, the result is its last estimate, bit for bit.
+/// Estimates the object's pose in an episode by touch again, from its readings alone; where the
+/// object was not explored, from the pose that was assumed of it, too. With the options of the
+/// recording, the result is its last estimate, bit for bit.
 /// @throws BadInput for an episode with the true pose, in which nothing was estimated
 estimation::HeldPoseEstimate replay_episode(const recording::Recording& recording,
-                                            const estimation::OnlineTrackerOptions& options);
+                                            const RelocationOptions& options);
 
 }  // namespace palpate::relocate

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+
 #include "palpate/core/random.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
@@ -9,13 +11,19 @@
 
 namespace palpate::relocate {
 
+class TaskArm;
+
 /// Joints of the Shadow hand that hold it as the Adroit hand is held at these positions: the latter
 /// models the former, with the joints in another order and the axes of some turned round.
 /// @param joints  base, wrist and fingers of the Adroit hand; the base is not looked at
 hand::JointVector shadow_joints(const RelocateJoints& joints);
 
-/// The relocate task's hand as links, in the joints of the Shadow hand. Its base is the forearm,
-/// its fingertips are the capsules that the task has for them.
+/// The inverse, with the arm's joints at 0.
+RelocateJoints task_joints(const hand::JointVector& shadow_joints);
+
+/// The relocate task's hand as links, in the joints of the Shadow hand. Its mount is at the
+/// forearm's origin, with the world's axes where the arm is at rest: fingers along +y, palm down.
+/// Its fingertips are the capsules that the task has for them.
 /// @throws BadInput if it is not the Adroit hand
 hand::Description adroit_hand_model(const RelocateModel& model);
 
@@ -30,15 +38,16 @@ class RelocateTouch {
   /// The hand as an estimator knows it: its links are off by SensorNoise::link.
   const hand::Description& hand_model() const { return hand_; }
 
-  /// What the hand senses after so many steps of an episode: joints, base and contacts. Torques and
-  /// the base's force stay empty. The base is measured without noise.
+  /// What the hand senses after so many steps: joints, mount, torques, the load on the mount (less
+  /// weight and inertia of the hand), and the fingertips' contacts with the object. The mount is
+  /// measured without noise.
   hand::HandReading read(const RelocateTask& task, int step) const;
 
  private:
   simulation::SensorNoise noise_;
   RandomStream random_;
   hand::Description hand_;
-  int mount_;              ///< body
+  std::shared_ptr<const TaskArm> arm_;
   std::vector<int> tips_;  ///< geoms
 };
 

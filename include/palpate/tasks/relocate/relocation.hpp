@@ -7,7 +7,6 @@
 #include "palpate/estimation/online_tracker.hpp"
 #include "palpate/recording/recording.hpp"
 #include "palpate/skills/explore/explore_phase.hpp"
-#include "palpate/skills/explore/height_probe_phase.hpp"
 #include "palpate/tasks/relocate/relocate_touch.hpp"
 #include "palpate/tasks/relocate/rollout.hpp"
 
@@ -18,8 +17,8 @@ struct RelocationOptions {
   bool explore = true;  ///< the resting object is touched first, else only `uncertainty` known
   double uncertainty = 0.02;  ///< m, within which the object's place is known at first, in x and y
   estimation::OnlineTrackerOptions tracking;
-  skills::HeightProbeOptions height_probe;
-  skills::ExploreOptions exploring;
+  /// The task's arm cannot turn the hand round, and its light fingers bounce off at higher speeds.
+  skills::ExploreOptions exploring = {.turn = 0.5, .touch_speed = 0.015};
   estimation::EstimationOptions resting;  ///< how the pose on the table is estimated
   simulation::SensorNoise noise;
 
@@ -30,7 +29,6 @@ struct RelocationOptions {
     v("uncertainty", uncertainty, 0.0, 0.2,
       "m, the object is within +- this of its approximate position");
     v.section("tracking", tracking);
-    v.section("height_probe", height_probe);
     v.section("exploring", exploring);
     v.section("resting", resting);
     v.section("noise", noise);
@@ -43,6 +41,7 @@ struct TouchEpisode {
   double resting_error = 0;     ///< m, of the initial place that it was given, in x and y
   double reported_error = 0;    ///< m, in the last step
   bool explored = false;        ///< the pose of the resting object was estimated by touch
+  int explore_steps = 0;        ///< of 10 ms, that exploring took
   int estimates = 0;            ///< of the pose in the grasp
   double estimate_seconds = 0;  ///< wall time of one, mean; 0 without any
 };
@@ -73,16 +72,13 @@ class Relocation {
                                     const ProgressCallback& progress = {}) const;
 
  private:
-  std::pair<localization::Posterior, bool> resting(const RelocateStart& start,
-                                                   const RandomStream& random) const;
-  localization::Posterior explored(const Eigen::Vector2d& place, std::uint64_t seed) const;
-  localization::Posterior rough(RandomStream random) const;
+  localization::Posterior rough(const Eigen::Vector2d& place, RandomStream random) const;
+  Eigen::Vector2d rough_place(const RelocateStart& start, RandomStream random) const;
 
   RelocationOptions options_;
   RelocateObject shape_;
   RelocateModel model_;
-  geometry::ObjectModel object_;
-  simulation::Start standing_;  ///< how the object starts, at the origin
+  geometry::ObjectModel object_;  ///< its one stable pose is that in which it starts
 };
 
 }  // namespace palpate::relocate

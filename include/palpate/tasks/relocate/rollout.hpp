@@ -104,6 +104,9 @@ using Agent = std::function<RelocateAction(int step, const PolicyInput& input)>;
 Episode run_episode(RelocateTask& task, const RelocateStart& start, int horizon, const Agent& agent,
                     Path* path = nullptr);
 
+/// Runs one episode from where the task is now.
+Episode continue_episode(RelocateTask& task, int horizon, const Agent& agent, Path* path = nullptr);
+
 /// Runs a policy's mean actions over `count` episodes on up to `threads` threads.
 std::vector<Episode> rollout(const RelocateModel& model, const Policy& policy,
                              const EpisodeOptions& options, std::uint64_t seed, std::size_t count,
