@@ -168,6 +168,12 @@ json touch_json(const std::vector<relocate::TouchEpisode>& by_touch) {
 
 void print_touch(const std::vector<relocate::TouchEpisode>& by_touch) {
   const json touch = touch_json(by_touch);
+  const auto failed = std::ranges::find(by_touch, false, &relocate::TouchEpisode::explored);
+  if (failed != by_touch.end() && !failed->exploration.empty()) {
+    fmt::print("not explored  {} of {}, at first because: {}\n",
+               std::ranges::count(by_touch, false, &relocate::TouchEpisode::explored),
+               by_touch.size(), failed->exploration);
+  }
   fmt::print(
       "by touch    {} explored, in {:.0f} s; the reported place was {:.1f} mm off at first (in x "
       "and "
@@ -287,7 +293,7 @@ void add_rollout(CLI::App& program, Command& chosen) {
   command.footer(
       "The hand brings a mug from the table to a target in the air within 99 steps of 10 ms.\n"
       "With --touch the hand first explores the resting object with a finger, and its fingertips\n"
-      "track the object in the grasp (options touch.*); that takes some ten seconds per episode.\n"
+      "track the object in the grasp (options touch.*); that takes some 20 seconds per episode.\n"
       "With --out every episode goes to DIR/episodes.csv, which palpate compare reads. A "
       "recording\n"
       "shows the Shadow hand, of which the Adroit hand of the task is a model. A recording by "

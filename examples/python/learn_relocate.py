@@ -23,10 +23,11 @@ from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor, VecNormali
 TASK = "palpate.envs:Palpate/Relocate-v2"
 SEED = 9770 * 2**20  # of the first episode of that seed of `palpate rollout`
 GAMMA = 0.99
+ROUNDS_A_LINE = 10
 
 
 class Curve(BaseCallback):
-    """Keeps and prints the mean return of the last 100 episodes after each round of steps."""
+    """Keeps the mean return of the last 100 episodes after each round of steps; prints some."""
 
     def __init__(self):
         super().__init__()
@@ -38,7 +39,8 @@ class Curve(BaseCallback):
     def _on_rollout_end(self):
         returns = [episode["r"] for episode in self.model.ep_info_buffer]
         self.rows.append((self.num_timesteps, float(np.mean(returns))))
-        print(f"{self.rows[-1][0]} steps: return {self.rows[-1][1]:.0f}", flush=True)
+        if len(self.rows) % ROUNDS_A_LINE == 1:
+            print(f"{self.rows[-1][0]} steps: return {self.rows[-1][1]:.0f}", flush=True)
 
 
 def judge(given, policy, scaled):

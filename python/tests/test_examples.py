@@ -68,6 +68,17 @@ class Examples(unittest.TestCase):
         self.assertRegex(text, r"chance: return .* of 2 poses right")
         self.assertRegex(text, r"learnt: return .* of 2 poses right")
 
+    def test_learn_relocate(self):
+        self.require("palpate.sim")
+        self.require("stable_baselines3")
+        with tempfile.TemporaryDirectory() as folder:
+            text = self.run_example("learn_relocate.py", "--steps", "4096", "--episodes", "2",
+                                    "--out", folder)  # fmt: skip
+            self.assertRegex(text, r"4096 steps: return -?\d")
+            self.assertRegex(text, r"2 fresh starts: return .* within 10, 5, 2 cm: 0\.00")
+            files = {path.name for path in pathlib.Path(folder).iterdir()}
+            self.assertEqual(files, {"policy.zip", "scales.pkl", "curve.csv"})
+
     def test_register(self):
         text = self.run_and_draw("register.py")
         self.assertIn("RegistrationResult(found, 30 inliers", text)

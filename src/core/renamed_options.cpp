@@ -92,7 +92,7 @@ struct Removal {
 constexpr std::string_view kPosture = "the postures are those of the hand's description";
 constexpr std::string_view kUnread = "the forward model never used it";
 constexpr std::string_view kExact = "the forward model has neither noise nor errors";
-constexpr std::array<Removal, 28> kRemoved{{
+constexpr std::array<Removal, 29> kRemoved{{
     {"palpation.rolls", "a held object is no longer rolled between the fingers"},
     {"estimation.errors.link", "the hand's description has the errors of its links"},
     {"grasp.steep_pitch", kPosture},
@@ -122,6 +122,7 @@ constexpr std::array<Removal, 28> kRemoved{{
     {"forward_model.integral.", "the forward model has no integral action"},
     {"forward_model.noise.", kExact},
     {"forward_model.error.", kExact},
+    {"touch.height_probe.", "the object's stable pose is known in the relocate task"},
 }};
 
 std::string_view renamed_part(std::string_view part) {

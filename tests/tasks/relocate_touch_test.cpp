@@ -72,6 +72,12 @@ TEST(RelocateTouch, NoiseIsOfTheSeedAndTheStepAlone) {
             other.hand_model().links[link].T_parent_link.translation());
 }
 
+TEST(RelocateTouch, JointsGoToTheShadowHandAndBack) {
+  RandomStream random(7);
+  const RelocateJoints q = random_joints(random);
+  EXPECT_EQ(task_joints(shadow_joints(q)), q);
+}
+
 TEST(RelocateTouch, EveryJointOfTheShadowHandHasItsTwin) {
   RelocateJoints q;
   for (Eigen::Index i = 0; i < q.size(); ++i) q[i] = 1.0 + static_cast<double>(i);

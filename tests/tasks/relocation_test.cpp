@@ -17,6 +17,7 @@
 #include "palpate/tasks/relocate/episode_recording.hpp"
 #include "palpate/tasks/relocate/policies/policy_io.hpp"
 #include "tasks/relocate/relocated_object.hpp"
+#include "tasks/relocate/touch_recorder.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -141,7 +142,7 @@ TEST(Relocation, ARecordingIsEstimatedAgainBitForBit) {
 TEST(Relocation, AnExploredEpisodeIsEstimatedAgainBitForBit) {
   RelocationOptions options;
   options.exploring.touches = options.exploring.max_touches = 4;
-  options.exploring.refining = 0;
+  options.exploring.refining = 2;
   EpisodeOptions episode;
   episode.horizon = 60;
   recording::Recording recording;
@@ -151,7 +152,10 @@ TEST(Relocation, AnExploredEpisodeIsEstimatedAgainBitForBit) {
   ASSERT_GT(recorded.estimates, 0);
   EXPECT_EQ(recording.frames.size(),  // and one before the first step
             static_cast<std::size_t>(1 + recorded.explore_steps + recorded.episode.steps));
-  const auto again = replay_episode(recording, options);
+  const TemporaryFolder folder;
+  recording::write_recording(folder.path() / "episode.h5", recording);
+  const auto read = recording::read_recording(folder.path() / "episode.h5");
+  const auto again = replay_episode(read, options);
   const auto& last = recording.estimates.back();
   ASSERT_EQ(again.posterior.modes.size(), last.modes.size());
   EXPECT_EQ(again.posterior.modes.front().T_frame_object.matrix(),
@@ -161,6 +165,35 @@ TEST(Relocation, AnExploredEpisodeIsEstimatedAgainBitForBit) {
   other.resting.resting_tilt_sigma *= 3;
   EXPECT_NE(replay_episode(recording, other).posterior.modes.front().T_frame_object.matrix(),
             last.modes.front().T_world_object.matrix());
+}
+
+// The arm's lift does not reach over it: the episode goes on with the rough place.
+TEST(Relocation, WhatIsTooTallIsNotExplored) {
+  TaskOptions task;
+  task.object = "bottle";
+  EpisodeOptions episode;
+  episode.horizon = 30;
+  recording::Recording recording;
+  const auto result = Relocation(task, {}).run(*box_policy(), episode, 77, 0, &recording);
+  EXPECT_FALSE(result.explored);
+  EXPECT_NE(result.exploration.find("unreachable: ARTy would be at"), std::string::npos)
+      << result.exploration;
+  EXPECT_EQ(result.episode.steps, 30);
+  EXPECT_FALSE(explored_place(recording));
+  EXPECT_GT(recording.estimates.front().modes.size(), 10u);  // any yaw
+}
+
+TEST(Relocation, AMalformedPlaceOfAnExplorationIsRefused) {
+  recording::Recording recording;
+  EXPECT_FALSE(explored_place(recording));
+  const auto place_of = [&](const std::string& text) {
+    recording.events = {{0, recording::EventKind::note, "explore", "rough place " + text}};
+    return explored_place(recording);
+  };
+  EXPECT_EQ(*place_of("-0.05 1e-3"), Eigen::Vector2d(-0.05, 1e-3));
+  for (const char* text : {"", "0.1", "nan 0", "0.1 0.2 0.3", "1e300 0", "x y"}) {
+    EXPECT_THROW((void)place_of(text), BadInput) << text;
+  }
 }
 
 // Contacts of an estimate are on the object where it truly is, but for the errors of the sensors.

@@ -56,12 +56,12 @@ TEST_F(TaskHandTest, GoesWhereItIsCommanded) {
   EXPECT_LT((here.ypr - there.ypr).norm(), 3e-3);
 }
 
-TEST_F(TaskHandTest, SaysWhichJointOfTheArmIsTooShort) {
+TEST_F(TaskHandTest, NamesTheJointOfTheArmThatIsOutOfRange) {
   hand::MountPosition there = hand_.here().mount;
   EXPECT_TRUE(hand_.check_path({&there, 1}).obstacle.empty());
   const std::array path = {there, hand::MountPosition{there.xyz + Eigen::Vector3d(0, 0, 0.3), {}}};
   const auto high = hand_.check_path(path);
-  EXPECT_EQ(high.obstacle, "ARTy would be at 0.300 m, its range is 0.000 to 0.200");
+  EXPECT_EQ(high.obstacle, "ARTy would be at 0.3 m, its range is 0 to 0.2");
   EXPECT_EQ(high.feasible, 1u);
   there.ypr[0] = 1.0;
   EXPECT_NE(hand_.check_path({&there, 1}).obstacle.find("ARRy"), std::string::npos);
@@ -89,8 +89,8 @@ TEST_F(TaskHandTest, PointsWithAFingerBelowAllElse) {
   EXPECT_GT(others - lowest, 0.03);
 }
 
-// What presses on the table is lifted by it: the load points down.
-TEST_F(TaskHandTest, FeelsTheTableOnItsMount) {
+// The table pushes up what presses on it, and the arm bears that downwards.
+TEST_F(TaskHandTest, SensesTheTableByItsMount) {
   hand::MountPosition low = hand_.here().mount;
   low.ypr[2] = -0.7;
   low.xyz.z() = 0.2;

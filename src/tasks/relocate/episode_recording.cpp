@@ -35,9 +35,9 @@ localization::Posterior resting(const recording::Recording& recording,
                                 const geometry::ObjectModel& object,
                                 const estimation::EstimationOptions& options) {
   if (const auto place = explored_place(recording)) {
-    auto estimated = resting_pose(object, *place, recording.header.hand,
+    auto estimated = resting_pose({object, *place}, recording.header.hand,
                                   recording::event_log(recording), options, recording.header.seed);
-    if (estimated.residual_mass() < 1) return estimated;
+    if (estimated.residual_mass() < 1) return estimated;  // else with other options alone
   }
   return recording::posterior_of(recording.estimates.front());
 }

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tasks/relocate/exploration.hpp"
 
-#include <stdexcept>
-#include <string>
-
 #include "palpate/skills/explore/explore_phase.hpp"
 
 namespace palpate::relocate {
@@ -13,13 +10,6 @@ constexpr double kFingerTime = 0.5;  // s for a posture of the fingers
 constexpr double kSpeed = 0.3;       // m/s back to the start
 constexpr double kRest = 0.5;        // s until the hand is at rest there
 
-estimation::PoseEstimator estimator_of(const geometry::ObjectModel& object,
-                                       const Eigen::Vector2d& place,
-                                       estimation::EstimationOptions options, std::uint64_t seed) {
-  options.place = place;
-  return {object, options, seed};
-}
-
 /// From over the object: the fingers first, which would meet it on the way.
 void go_back(skills::Executor& robot, const hand::HandCommand& start) {
   robot.move_fingers(start.positions, kFingerTime);
@@ -27,36 +17,53 @@ void go_back(skills::Executor& robot, const hand::HandCommand& start) {
   robot.wait(kRest);
 }
 
-}  // namespace
-
-localization::Posterior explore(TaskHand& hand, const hand::Description& model,
-                                const RoughPlace& rough, const RelocationOptions& options,
-                                std::uint64_t seed, TouchRecorder* recorder) {
-  auto estimator = estimator_of(rough.object, rough.place, options.resting, seed);
+/// Touches the object as a pick does, and goes back. @return how that ended, in one line
+std::string touch_object(skills::Executor& robot, const RoughPlace& rough,
+                         const skills::ExploreOptions& options,
+                         const estimation::EstimationOptions& resting, std::uint64_t seed) {
+  estimation::PoseEstimator estimator(rough.object, resting, seed);
+  const geometry::KnownObject& object = rough.object.object();
   skills::PickState state;
   state.place = rough.place;
-  const geometry::KnownObject& object = rough.object.object();
   state.height = geometry::top_of(object, object.stable_poses.front());
-  const hand::HandCommand start = hand.here();
-  skills::Executor robot(hand, model, start,
-                         recorder ? recorder->observer(rough.place) : skills::Executor::Observer{});
+  const hand::HandCommand start = robot.command();
+  skills::ExplorePhase phase(estimator, options);
+  std::string outcome = skills::run_phase(phase, robot, state).outcome;
+  if (robot.fault()) return outcome;
   try {
-    skills::ExplorePhase phase(estimator, options.exploring);
-    const auto report = skills::run_phase(phase, robot, state);
-    if (report.status != skills::PhaseStatus::fault) go_back(robot, start);
-    if (recorder) recorder->explored(report.outcome);
-  } catch (const std::runtime_error&) {
-    return {};  // a fault: the robot has stopped
+    go_back(robot, start);
+  } catch (const skills::SafetyStop& stop) {
+    outcome = stop.what();
+  } catch (const skills::Unreachable& error) {
+    robot.make_safe(skills::Fault::exception, error.what());
+    outcome = error.what();
   }
-  return state.resting.value_or(localization::Posterior{});
+  return outcome;
 }
 
-localization::Posterior resting_pose(const geometry::ObjectModel& object,
-                                     const Eigen::Vector2d& place, const hand::Description& model,
+}  // namespace
+
+Exploration explore(TaskHand& hand, const RoughPlace& rough, const RelocationOptions& options,
+                    std::uint64_t seed, TouchRecorder* recorder) {
+  skills::Executor robot(hand, hand.description(), hand.here(),
+                         recorder ? recorder->observer() : skills::Executor::Observer{});
+  estimation::EstimationOptions resting = options.resting;
+  resting.place = rough.place;
+  Exploration result;
+  result.outcome = touch_object(robot, rough, options.exploring, resting, seed);
+  if (!robot.fault()) {
+    result.resting = resting_pose(rough, hand.description(), robot.log(), options.resting, seed);
+  }
+  const bool known = result.resting.residual_mass() < 1;
+  if (recorder) recorder->explored(result.outcome, known ? &rough.place : nullptr);
+  return result;
+}
+
+localization::Posterior resting_pose(const RoughPlace& rough, const hand::Description& hand,
                                      const estimation::EventLog& log,
-                                     const estimation::EstimationOptions& options,
-                                     std::uint64_t seed) {
-  return estimator_of(object, place, options, seed).resting(model, log);
+                                     estimation::EstimationOptions options, std::uint64_t seed) {
+  options.place = rough.place;
+  return estimation::PoseEstimator(rough.object, options, seed).resting(hand, log);
 }
 
 }  // namespace palpate::relocate

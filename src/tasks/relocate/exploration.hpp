@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
+#include <string>
 
 #include "palpate/tasks/relocate/relocation.hpp"
 #include "tasks/relocate/task_hand.hpp"
@@ -15,20 +15,20 @@ struct RoughPlace {
   Eigen::Vector2d place;                ///< of its centroid, roughly, m
 };
 
+struct Exploration {
+  localization::Posterior resting;  ///< no modes: not known
+  std::string outcome;              ///< one line
+};
+
 /// Touches the resting object with the task's own hand, which goes back to where it started.
 /// @param recorder  of all that it senses, if not null
-/// @return how the object rests; no modes where no pose explains what was sensed, or the hand was
-///   stopped by a fault
-localization::Posterior explore(TaskHand& hand, const hand::Description& model,
-                                const RoughPlace& rough, const RelocationOptions& options,
-                                std::uint64_t seed, TouchRecorder* recorder);
+/// @return without modes where no pose explains what was sensed, or a fault stopped the hand
+Exploration explore(TaskHand& hand, const RoughPlace& rough, const RelocationOptions& options,
+                    std::uint64_t seed, TouchRecorder* recorder);
 
-/// The same estimate from what was sensed.
-/// @param place  of the object's centroid, roughly, m
-localization::Posterior resting_pose(const geometry::ObjectModel& object,
-                                     const Eigen::Vector2d& place, const hand::Description& model,
+/// How the object rests, by the log of an exploration.
+localization::Posterior resting_pose(const RoughPlace& rough, const hand::Description& hand,
                                      const estimation::EventLog& log,
-                                     const estimation::EstimationOptions& options,
-                                     std::uint64_t seed);
+                                     estimation::EstimationOptions options, std::uint64_t seed);
 
 }  // namespace palpate::relocate

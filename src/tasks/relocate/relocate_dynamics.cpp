@@ -16,7 +16,7 @@
 namespace palpate::relocate {
 namespace {
 
-constexpr int kBase = 6, kWrist = 2;
+constexpr int kWrist = 2;
 constexpr std::array<const char*, 5> kTips = {"S_thtip", "S_fftip", "S_mftip", "S_rftip",
                                               "S_lftip"};
 
@@ -129,7 +129,7 @@ RelocateJoints RelocateDynamics::press(const RelocateJoints& q, const Eigen::Vec
     result += J.leftCols<kRelocateJoints>().transpose() * (force * way.normalized());
   }
   // The object presses back on the hand as a whole, so base and wrist need not exert anything.
-  result.head<kBase + kWrist>().setZero();
+  result.head<kArmJoints + kWrist>().setZero();
   return result;
 }
 

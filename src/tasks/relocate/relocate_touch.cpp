@@ -78,7 +78,7 @@ hand::ActuatorVector torques_of(const hand::Description& hand, const mjData& dat
   return torques;
 }
 
-/// Its index finger is bent down at the knuckle, the others are stretched: the arm cannot turn far
+/// Its first finger is bent down at the knuckle, the others are stretched: the arm cannot turn far
 /// enough to point down with a stretched finger.
 hand::PointingHand pointing_task_hand(const hand::Description& hand) {
   constexpr double kKnuckle = 1.0, kDown = 0.35;  // rad

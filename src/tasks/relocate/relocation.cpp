@@ -22,6 +22,7 @@ namespace {
 constexpr int kYaws = 24;  // of an object of which only the rough place is known
 // Variances of an object of which only the rough place is known: rad^2, m^2, least of a place m^2.
 constexpr double kTilt = 1e-4, kHeight = 1e-6, kLeast = 1e-8;
+constexpr double kPushed = 0.02;   // m, by a hand that explored it and could not tell its pose
 constexpr double kSameTilt = 0.1;  // rad, of a stable pose from how the object starts
 
 /// The object with the stable pose in which one of that orientation stands, and no other.
@@ -81,7 +82,9 @@ Relocation::Relocation(const TaskOptions& task, const RelocationOptions& options
 localization::Posterior Relocation::rough(const Eigen::Vector2d& place, RandomStream random) const {
   const auto& stable_pose = object_.object().stable_poses.front();
   const double first_yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
-  const double place_variance = options_.uncertainty * options_.uncertainty / 3 + kLeast;
+  const double pushed = options_.explore ? kPushed : 0;
+  const double place_variance =
+      options_.uncertainty * options_.uncertainty / 3 + pushed * pushed + kLeast;
   const double yaw = std::numbers::pi / kYaws;
   Vector6d variance;
   variance << kTilt, kTilt, yaw * yaw, place_variance, place_variance, kHeight;
@@ -130,9 +133,11 @@ TouchEpisode Relocation::run(const Policy& policy, const EpisodeOptions& episode
   localization::Posterior known;
   if (options_.explore) {
     TaskHand hand(task, model_, touch);
-    known = explore(hand, touch.hand_model(), {object_, place}, options_, estimator_seed,
-                    recorder ? &*recorder : nullptr);
+    auto exploration =
+        explore(hand, {object_, place}, options_, estimator_seed, recorder ? &*recorder : nullptr);
+    known = std::move(exploration.resting);
     result.explored = known.residual_mass() < 1;
+    result.exploration = std::move(exploration.outcome);
     result.explore_steps = hand.steps();
   }
   if (!result.explored) known = rough(place, random.fork("rough"));

@@ -44,11 +44,12 @@ Vector6d TaskArm::joints(const hand::MountPosition& mount) const {
 }
 
 std::string TaskArm::obstacle(const Vector6d& joints) const {
+  constexpr double kRounding = 1e-6;  // m, rad
   const mjModel& model = *model_.impl().scene.model;
   for (int i = 0; i < kArmJoints; ++i) {
     const mjtNum low = model.jnt_range[2 * i], high = model.jnt_range[2 * i + 1];
-    if (joints[i] >= low && joints[i] <= high) continue;
-    return fmt::format("{} would be at {:.3f} {}, its range is {:.3f} to {:.3f}",
+    if (joints[i] >= low - kRounding && joints[i] <= high + kRounding) continue;
+    return fmt::format("{} would be at {:.5g} {}, its range is {:.5g} to {:.5g}",
                        mj_id2name(&model, mjOBJ_JOINT, i), joints[i], i < 3 ? "m" : "rad", low,
                        high);
   }

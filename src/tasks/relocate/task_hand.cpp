@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tasks/relocate/task_hand.hpp"
 
-#include <fmt/format.h>
-
 #include <stdexcept>
 
 #include "palpate/hand/kinematics.hpp"
+#include "tasks/relocate/relocate_model.hpp"
 
 namespace palpate::relocate {
 namespace {
@@ -56,7 +55,7 @@ hand::HandReading TaskHand::step(const hand::HandCommand& command) {
   speed.head<kArmJoints>() = (next - target_).head<kArmJoints>() / hand::kTick;
   target_ = next;
   const RelocateJoints q = task_.positions().head<kRelocateJoints>();
-  const RelocateJoints v = task_.proprioception().velocity;
+  const RelocateJoints v = RelocateJoints::Map(task_.impl().data->qvel);  // as its servos have it
   const RelocateJoints still = RelocateJoints::Zero();
   RelocateJoints torques = dynamics_.torques(q, still, still) + stiffness() * (next - q);
   torques += kArmDamping * speed;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
+#include <optional>
+#include <span>
 
 #include "palpate/tasks/relocate/relocate_dynamics.hpp"
 #include "palpate/tasks/relocate/relocate_touch.hpp"
@@ -17,6 +18,8 @@ class TaskHand : public hand::Hand {
  public:
   /// @param task  in which it is; must outlive the hand, as `touch` must
   TaskHand(RelocateTask& task, const RelocateModel& model, const RelocateTouch& touch);
+
+  [[nodiscard]] const hand::Description& description() const { return touch_.hand_model(); }
 
   /// Where it stands now, as a command.
   [[nodiscard]] hand::HandCommand here() const;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/plausible.hpp"
 #include "palpate/core/version.hpp"
 #include "palpate/evaluation/credible_poses.hpp"
 #include "palpate/hand/kinematics.hpp"
@@ -33,8 +34,7 @@ TouchRecorder::TouchRecorder(const RelocateTask& task, const geometry::KnownObje
   recording_.header = {std::string(version()), seed, object, hand, ""};
 }
 
-skills::Executor::Observer TouchRecorder::observer(const Eigen::Vector2d& place) {
-  place_ = place;
+skills::Executor::Observer TouchRecorder::observer() {
   return {.on_tick = [this](const auto& reading, const auto& command) { frame(reading, command); },
           .on_event =
               [this](estimation::TouchEvent touch) {
@@ -46,8 +46,11 @@ skills::Executor::Observer TouchRecorder::observer(const Eigen::Vector2d& place)
               }};
 }
 
-void TouchRecorder::explored(std::string_view outcome) {
+void TouchRecorder::explored(std::string_view outcome, const Eigen::Vector2d* place) {
   if (recording_.frames.empty()) return;
+  if (place) {
+    event(recording::EventKind::note, fmt::format("{}{} {}", kPlace, place->x(), place->y()));
+  }
   event(recording::EventKind::end, std::string(outcome));
 }
 
@@ -78,10 +81,9 @@ void TouchRecorder::frame(const hand::HandReading& reading, const hand::HandComm
       object_pose(task_.positions()) * recording_.header.object.T_mesh_object;
   const hand::JointVector joints = shadow_joints(task_.positions().head<kRelocateJoints>());
   recording_.frames.push_back({reading, command, recording::FrameTruth{T_world_object, joints}});
-  if (!place_) return;
-  event(recording::EventKind::begin, "");
-  event(recording::EventKind::note, fmt::format("{}{} {}", kPlace, place_->x(), place_->y()));
-  place_.reset();
+  if (recording_.frames.size() == 1 && recording_.estimates.empty()) {
+    event(recording::EventKind::begin, "");
+  }
 }
 
 void TouchRecorder::event(recording::EventKind kind, std::string text) {
@@ -94,8 +96,9 @@ std::optional<Eigen::Vector2d> explored_place(const recording::Recording& record
     if (event.phase != kExplore || !event.text.starts_with(kPlace)) continue;
     std::istringstream values(event.text.substr(kPlace.size()));
     Eigen::Vector2d place;
-    if (values >> place.x() >> place.y() && place.allFinite()) return place;
-    throw BadInput(fmt::format("the recording has a place that is none: {:?}", event.text));
+    const bool read = values >> place.x() >> place.y() && values.eof();
+    if (read && place.cwiseAbs().maxCoeff() <= kMaxLength) return place;
+    throw BadInput(fmt::format("malformed rough place in the recording: {:?}", event.text));
   }
   return std::nullopt;
 }

@@ -22,11 +22,11 @@ class TouchRecorder {
                 const hand::Description& hand, std::uint64_t seed, recording::Recording& recording);
 
   /// Records what a robot senses while it explores; must not outlive the recorder.
-  /// @param place  of the object, roughly, m
-  skills::Executor::Observer observer(const Eigen::Vector2d& place);
+  skills::Executor::Observer observer();
 
   /// The exploration has ended so.
-  void explored(std::string_view outcome);
+  /// @param place  of the object (m), from which its pose was estimated; null: it was not
+  void explored(std::string_view outcome, const Eigen::Vector2d* place);
 
   /// The policy begins, with this pose on the table, in the world.
   void begin(const localization::Posterior& resting, double time);
@@ -43,12 +43,12 @@ class TouchRecorder {
 
   const RelocateTask& task_;
   recording::Recording& recording_;
-  std::optional<Eigen::Vector2d> place_;  ///< to be noted
   int estimates_ = 0;
 };
 
-/// The rough place of the object that an exploration was given; nothing if there was none.
-/// @throws BadInput for a recording that does not hold it as it should
+/// The rough place of the object that an exploration was given; nothing if there was none, or it
+/// led to no pose.
+/// @throws BadInput for a malformed place
 std::optional<Eigen::Vector2d> explored_place(const recording::Recording& recording);
 
 }  // namespace palpate::relocate

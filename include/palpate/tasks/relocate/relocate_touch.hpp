@@ -6,7 +6,7 @@
 #include "palpate/core/random.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "palpate/simulation/world/world.hpp"
+#include "palpate/simulation/contact/sensor_noise.hpp"
 #include "palpate/tasks/relocate/relocate_task.hpp"
 
 namespace palpate::relocate {

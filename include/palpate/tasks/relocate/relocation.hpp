@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <utility>
+#include <string>
 
 #include "palpate/core/progress.hpp"
 #include "palpate/estimation/online_tracker.hpp"
@@ -41,6 +41,7 @@ struct TouchEpisode {
   double resting_error = 0;     ///< m, of the initial place that it was given, in x and y
   double reported_error = 0;    ///< m, in the last step
   bool explored = false;        ///< the pose of the resting object was estimated by touch
+  std::string exploration;      ///< how exploring ended, in one line
   int explore_steps = 0;        ///< of 10 ms, that exploring took
   int estimates = 0;            ///< of the pose in the grasp
   double estimate_seconds = 0;  ///< wall time of one, mean; 0 without any
@@ -52,8 +53,9 @@ void check_by_touch(const EpisodeOptions& episode);
 /// The relocate task with a policy that gets the object's place as estimated by touch, never the
 /// true one: the transport phase of thesis chapter 7 behind the estimation of chapter 6.
 ///
-/// Before it reaches out, a finger explores the resting object as a pick does; while it closes and
-/// carries, the pose is estimated from the fingertips of the Adroit hand (OnlineTracker).
+/// Before it reaches out, the task's own hand explores the resting object with a finger; while it
+/// closes and carries, the pose is estimated from the fingertips of the Adroit hand
+/// (OnlineTracker).
 class Relocation {
  public:
   /// @throws BadInput for an object that cannot be used, or does not stand on its own at the start
