@@ -170,7 +170,7 @@ void print_touch(const std::vector<relocate::TouchEpisode>& by_touch) {
   const json touch = touch_json(by_touch);
   const auto failed = std::ranges::find(by_touch, false, &relocate::TouchEpisode::explored);
   if (failed != by_touch.end() && !failed->exploration.empty()) {
-    fmt::print("not explored  {} of {}, at first because: {}\n",
+    fmt::print("unexplored  {} of {}, the first because: {}\n",
                std::ranges::count(by_touch, false, &relocate::TouchEpisode::explored),
                by_touch.size(), failed->exploration);
   }
