@@ -175,9 +175,8 @@ void print_touch(const std::vector<relocate::TouchEpisode>& by_touch) {
                by_touch.size(), failed->exploration);
   }
   fmt::print(
-      "by touch    {} explored, in {:.0f} s; the reported place was {:.1f} mm off at first (in x "
-      "and "
-      "y), {:.1f} mm at the end (medians); {:.1f} estimates in the grasp\n",
+      "by touch    {} explored, in {:.0f} s; place reported {:.1f} mm off at first (in x and y), "
+      "{:.1f} mm at the end (medians); {:.1f} estimates in the grasp\n",
       touch["explored"].get<int>(), touch["explore_seconds"].get<double>(),
       touch["resting_error_mm"].get<double>(), touch["reported_error_mm"].get<double>(),
       touch["estimates"].get<double>());

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 
-#include "palpate/hand/kinematics.hpp"
 #include "skills/motion/lowest_part.hpp"
 
 namespace palpate::relocate {
@@ -73,19 +72,12 @@ TEST_F(TaskHandTest, PointsWithAFingerBelowAllElse) {
   const hand::PointingHand& pointing = hand.postures.pointing.at(0);
   const int tip = hand.fingers[static_cast<std::size_t>(pointing.finger)].link;
   const double lowest = skills::lowest_part(hand, pointing.positions, pointing.attitude);
-  const auto without = [&](int link) {
-    while (link >= 0 && link != tip) link = hand.links[static_cast<std::size_t>(link)].parent;
-    return link < 0;
+  const auto of_others = [&](int link) {
+    int own = tip;  // and then the finger's other links, up to the palm
+    while (own != hand.palm && own != link) own = hand.links[static_cast<std::size_t>(own)].parent;
+    return own != link || link == hand.palm;
   };
-  const auto above = [&](int link) {
-    int finger = tip;  // the finger's own links do not count
-    while (finger >= 0 && finger != hand.palm) {
-      if (finger == link) return false;
-      finger = hand.links[static_cast<std::size_t>(finger)].parent;
-    }
-    return without(link);
-  };
-  const double others = skills::lowest_part(hand, pointing.positions, pointing.attitude, above);
+  const double others = skills::lowest_part(hand, pointing.positions, pointing.attitude, of_others);
   EXPECT_GT(others - lowest, 0.03);
 }
 

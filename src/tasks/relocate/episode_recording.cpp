@@ -37,7 +37,8 @@ localization::Posterior resting(const recording::Recording& recording,
   if (const auto place = explored_place(recording)) {
     auto estimated = resting_pose({object, *place}, recording.header.hand,
                                   recording::event_log(recording), options, recording.header.seed);
-    if (estimated.residual_mass() < 1) return estimated;  // else with other options alone
+    // Other options than the episode's may find no pose.
+    if (estimated.residual_mass() < 1) return estimated;
   }
   return recording::posterior_of(recording.estimates.front());
 }

@@ -38,9 +38,9 @@ class RelocateTouch {
   /// The hand as an estimator knows it: its links are off by SensorNoise::link.
   const hand::Description& hand_model() const { return hand_; }
 
-  /// What the hand senses after so many steps: joints, mount, torques, the load on the mount (less
-  /// weight and inertia of the hand), and the fingertips' contacts with the object. The mount is
-  /// measured without noise.
+  /// The reading after `step` steps: joints, mount, torques, the force on the mount without the
+  /// hand's weight and inertia, and the fingertips' contacts with the object. The mount is measured
+  /// without noise.
   hand::HandReading read(const RelocateTask& task, int step) const;
 
  private:
