@@ -47,7 +47,10 @@ bool stays(simulation::World& world, const simulation::Start& start, const Start
 
 hand::HandCommand waiting_command(const hand::Description& hand) {
   hand::HandCommand command;
-  command.positions.setZero(hand.actuator_count());
+  command.positions.resize(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    command.positions[i] = hand::straight_command(hand.actuators[static_cast<std::size_t>(i)]);
+  }
   command.mount.xyz = {0, 0, 0.34};
   return command;
 }

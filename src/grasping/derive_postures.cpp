@@ -31,7 +31,7 @@ hand::ActuatorVector all_bent(const hand::Description& hand, double share) {
     const auto& actuator = hand.actuators[static_cast<std::size_t>(i)];
     if (actuator.closing != 0) positions[i] = bent(actuator, share);
     if (actuator.closing == 0 && actuator.finger >= 0 && actuator.finger != hand.thumb) {
-      positions[i] = std::clamp(0.0, actuator.command.low, actuator.command.high);
+      positions[i] = hand::straight_command(actuator);
     }
   }
   return positions;
@@ -154,7 +154,8 @@ std::vector<hand::ActuatorVector> flat_postures(const hand::Description& hand) {
       const auto& [low, high] = actuator.command;
       const double end = actuator.closing > 0 ? low : high;  // away from closed
       if (actuator.finger == hand.thumb && i > 0) {
-        positions[k] = actuator.closing != 0 ? start_of(actuator) : random.uniform(low, high);
+        positions[k] =
+            actuator.closing != 0 ? hand::straight_command(actuator) : random.uniform(low, high);
       } else if (actuator.closing != 0) {
         positions[k] += std::clamp(back * (end - positions[k]), -kBack, kBack);
       }
@@ -240,7 +241,8 @@ void set_bends(hand::Description& hand) {
     auto& actuator = hand.actuators[static_cast<std::size_t>(i)];
     const auto& [low, high] = actuator.command;
     if (actuator.finger < 0) continue;
-    const double a = actuator.closing != 0 ? start_of(actuator) : hand.postures.top.open[i];
+    const double a =
+        actuator.closing != 0 ? hand::straight_command(actuator) : hand.postures.top.open[i];
     const double b = actuator.closing != 0 ? bent(actuator, kBendShare) : a;
     const double margin = actuator.closing != 0 ? 0 : kSideways;
     actuator.bend = {std::max(low, std::min(a, b) - margin),

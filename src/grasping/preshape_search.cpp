@@ -36,11 +36,6 @@ constexpr double kMissing = 0.25;      // cost of a finger whose tip does not me
 constexpr double kClaw = 0.5;          // of the way to closed that a claw's fingers bend back
 constexpr double kFullWay = 2.0;       // rad that an actuator of speed 1 closes in the time of all
 
-/// Where an actuator stands in a closed finger.
-double end_of(const hand::Actuator& actuator) {
-  return actuator.closing > 0 ? actuator.command.high : actuator.command.low;
-}
-
 /// What is searched for.
 struct HandPosture {
   /// Shares of the way to closed at which fingers and thumb are open: first joints, outer joints.
@@ -67,7 +62,8 @@ hand::ActuatorVector open_hand(const hand::Description& hand, const HandPosture&
     if (actuator.closing != 0) {
       open[i] = bent(actuator, (thumb ? posture.thumb : posture.fingers)[is_outer(hand, i)]);
     } else {
-      open[i] = thumb ? low + posture.opposition[i] * (high - low) : std::clamp(0.0, low, high);
+      open[i] =
+          thumb ? low + posture.opposition[i] * (high - low) : hand::straight_command(actuator);
     }
   }
   return open;
@@ -84,7 +80,7 @@ hand::Description closing_hand(hand::Description hand, const HandPosture& postur
   for (int i = 0; i < hand.actuator_count(); ++i) {
     auto& actuator = hand.actuators[static_cast<std::size_t>(i)];
     if (actuator.closing == 0) continue;
-    const double way = std::max(0.2, std::abs(end_of(actuator) - open[i]));
+    const double way = std::max(0.2, std::abs(hand::closed_command(actuator) - open[i]));
     const double speed = way * (outer[static_cast<std::size_t>(i)] ? posture.curl : 1) / kFullWay;
     actuator.closing = std::copysign(speed, actuator.closing);
   }
@@ -95,7 +91,7 @@ hand::ActuatorVector closed_ends(const hand::Description& hand, const hand::Actu
   hand::ActuatorVector ends = open;
   for (int i = 0; i < hand.actuator_count(); ++i) {
     const auto& actuator = hand.actuators[static_cast<std::size_t>(i)];
-    if (actuator.closing != 0) ends[i] = end_of(actuator);
+    if (actuator.closing != 0) ends[i] = hand::closed_command(actuator);
   }
   return ends;
 }
@@ -182,8 +178,8 @@ double widest_share(const hand::Description& hand) {
     const auto first = static_cast<std::size_t>(closing.front());
     const hand::Actuator& actuator = hand.actuators[first];
     const double back = actuator.closing > 0 ? actuator.command.low : actuator.command.high;
-    const double start = start_of(actuator);
-    if (std::abs(back - start) < kClaw * std::abs(end_of(actuator) - start)) return 0;
+    const double start = hand::straight_command(actuator);
+    if (std::abs(back - start) < kClaw * std::abs(hand::closed_command(actuator) - start)) return 0;
   }
   return -kClaw;
 }
@@ -367,13 +363,9 @@ void search_preshape(const hand::Description& detailed, const ProgressCallback& 
 
 }  // namespace
 
-double start_of(const hand::Actuator& actuator) {
-  return std::clamp(0.0, actuator.command.low, actuator.command.high);
-}
-
 double bent(const hand::Actuator& actuator, double share) {
-  const double start = start_of(actuator);
-  return std::clamp(start + share * (end_of(actuator) - start), actuator.command.low,
+  const double start = hand::straight_command(actuator);
+  return std::clamp(start + share * (hand::closed_command(actuator) - start), actuator.command.low,
                     actuator.command.high);
 }
 

@@ -11,9 +11,6 @@ inline constexpr double kSteepest = 1.45;  ///< rad of pitch; at pi/2 yaw and ro
 /// A closing actuator so far on its way from straight to closed, rad.
 double bent(const hand::Actuator& actuator, double share);
 
-/// Where an actuator stands in a straight finger, rad.
-double start_of(const hand::Actuator& actuator);
-
 /// Searches the open hand and the attitudes in which closing it holds objects of household size
 /// best, and sets the speeds at which the actuators close. What was found is kept in the cache.
 /// @throws BadInput if no posture holds anything

@@ -34,6 +34,17 @@ int Description::middle_finger() const {
   return others.empty() ? thumb : others[(others.size() - 1) / 2];
 }
 
+double straight_command(const Actuator& actuator) {
+  const auto& [low, high] = actuator.command;
+  if (actuator.closing > 0 && high <= 0) return low;
+  if (actuator.closing < 0 && low >= 0) return high;
+  return std::clamp(0.0, low, high);
+}
+
+double closed_command(const Actuator& actuator) {
+  return actuator.closing > 0 ? actuator.command.high : actuator.command.low;
+}
+
 std::vector<int> closing_actuators(const Description& hand, int finger) {
   std::vector<int> closing;
   for (int i = 0; i < hand.actuator_count(); ++i) {

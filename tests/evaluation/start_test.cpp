@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/core/error.hpp"
+#include "palpate/hand/shadow.hpp"
 #include "simulation/fine_meshes.hpp"
 
 namespace palpate::evaluation {
@@ -30,6 +31,17 @@ TEST(Start, IsDrawnWithinItsBoundsByTheSeed) {
   }
   options.stable_pose = static_cast<int>(box.stable_poses.size());
   EXPECT_THROW(draw_start(box, options, 0), BadInput);
+}
+
+/// A hand that is closed at 0 would wait with its fingers hooked into one another.
+TEST(Start, TheHandWaitsStraight) {
+  hand::Description hand = hand::shadow_hand();
+  const int bends = hand.actuator("FFJ3"), closes_to_zero = hand.actuator("MFJ3");
+  hand.actuators[static_cast<std::size_t>(closes_to_zero)].closing = -1;
+  hand.actuators[static_cast<std::size_t>(closes_to_zero)].command = {0, 1.5};
+  const auto waiting = waiting_command(hand).positions;
+  EXPECT_EQ(waiting[bends], 0);
+  EXPECT_EQ(waiting[closes_to_zero], 1.5);
 }
 
 /// The centre of mass of this ball is 10 mm from where it is believed to be.

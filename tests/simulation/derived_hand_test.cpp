@@ -107,6 +107,33 @@ TEST(JointRange, ThatOfTheCommandsWhereTheJointHasNone) {
   EXPECT_TRUE(reports(result, "the commands of its actuator"));
 }
 
+TEST(JointRange, EndsWhereTheCommandsDoButForRounding) {
+  const auto result = hand_with(
+      "<actuator><position joint='index_1' kp='3' ctrlrange='0 1'/>"
+      "<position joint='ring_1' kp='3' ctrlrange='0 1.55'/>"
+      "<position joint='thumb_1' kp='3' ctrlrange='0 0.1'/></actuator>");
+  EXPECT_NEAR(actuator(result, "index_1").command.high, 1, 1e-12);
+  EXPECT_NEAR(actuator(result, "ring_1").command.high, 1.6, 1e-12);
+  EXPECT_NEAR(actuator(result, "thumb_1").command.high, 1.6, 1e-12);
+}
+
+TEST(Closing, TowardsZeroInAFileWhoseHandIsClosedThere) {
+  std::string text = kHandMjcf;
+  for (const std::string name : {"index_1", "ring_1", "thumb_1"}) {
+    const std::string joint = "<joint name=\"" + name + "\" ";
+    text = replaced(text, joint + "axis=\"0 1 0\"", joint + "axis=\"0 -1 0\" ref=\"1.6\"");
+  }
+  const auto result = described("closed_at_zero.xml", text);
+  for (const std::string name : {"index_1", "ring_1", "thumb_1"}) {
+    EXPECT_LT(actuator(result, name).closing, 0) << name;
+    EXPECT_EQ(hand::straight_command(actuator(result, name)), 1.6) << name;
+    EXPECT_EQ(hand::closed_command(actuator(result, name)), 0) << name;
+  }
+  for (const std::string name : {"index_2", "ring_2", "thumb_2"}) {
+    EXPECT_GT(actuator(result, name).closing, 0) << name;
+  }
+}
+
 /// The index and the ring finger on a part of the palm.
 std::string knuckles(const std::string& joint) {
   const auto text = replaced(kHandMjcf, "<body name=\"index_base\"",

@@ -192,6 +192,13 @@ struct Description {
   int middle_finger() const;
 };
 
+/// Where an actuator stands in a straight finger, rad: 0, if its range allows that and it does not
+/// close towards 0.
+double straight_command(const Actuator& actuator);
+
+/// Where an actuator stands in a closed finger, rad.
+double closed_command(const Actuator& actuator);
+
 /// Actuators of a finger that close it, in order from the palm.
 std::vector<int> closing_actuators(const Description& hand, int finger);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double kAlike = 0.7;  // cosine between axes of joints that close a finger
 constexpr double kTried = 0.3;  // rad
+constexpr double kFarther = 1.2;
 
 /// Axis of the first joint that an actuator moves, in the mount's frame.
 Eigen::Vector3d axis_of(const hand::Description& hand, const hand::Actuator& actuator) {
@@ -32,8 +34,7 @@ Eigen::Vector3d axis_of(const hand::Description& hand, const hand::Actuator& act
 double towards_others(const hand::Description& hand, int actuator) {
   hand::ActuatorVector positions(hand.actuator_count());
   for (int i = 0; i < hand.actuator_count(); ++i) {
-    const auto& [low, high] = hand.actuators[static_cast<std::size_t>(i)].command;
-    positions[i] = std::clamp(0.0, low, high);
+    positions[i] = hand::straight_command(hand.actuators[static_cast<std::size_t>(i)]);
   }
   const int finger = hand.actuators[static_cast<std::size_t>(actuator)].finger;
   const auto straight = fingertips(hand, positions);
@@ -52,12 +53,55 @@ double towards_others(const hand::Description& hand, int actuator) {
   return distance(kTried) <= distance(-kTried) ? 1 : -1;
 }
 
+/// Whether an actuator opens its finger where it is believed to close it: it would hold its tip
+/// farther from those that it closes against than straight.
+bool is_reversed(const hand::Description& hand, int actuator) {
+  hand::ActuatorVector middle(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const auto& [low, high] = hand.actuators[static_cast<std::size_t>(i)].command;
+    middle[i] = 0.5 * (low + high);
+  }
+  const hand::Actuator& one = hand.actuators[static_cast<std::size_t>(actuator)];
+  const auto distance_to_others = [&](double command) {
+    hand::ActuatorVector positions = middle;
+    positions[actuator] = command;
+    const auto tips = fingertips(hand, positions);
+    double least = std::numeric_limits<double>::infinity();
+    for (int other = 0; other < hand.finger_count(); ++other) {
+      if (other == one.finger || (other == hand.thumb) == (one.finger == hand.thumb)) continue;
+      const auto away =
+          tips[static_cast<std::size_t>(one.finger)] - tips[static_cast<std::size_t>(other)];
+      least = std::min(least, away.norm());
+    }
+    return least;
+  };
+  return distance_to_others(hand::closed_command(one)) >
+         kFarther * distance_to_others(hand::straight_command(one));
+}
+
 std::vector<int> actuators_of(const hand::Description& hand, int finger) {
   std::vector<int> own;
   for (int i = 0; i < hand.actuator_count(); ++i) {
     if (hand.actuators[static_cast<std::size_t>(i)].finger == finger) own.push_back(i);
   }
   return own;
+}
+
+/// There are files in which 0 is the closed hand: every finger has an actuator whose range goes
+/// where it opens.
+void reverse_if_closed_at_zero(hand::Description& hand) {
+  std::vector<int> reversed;
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    const std::size_t before = reversed.size();
+    for (const int actuator : hand::closing_actuators(hand, finger)) {
+      if (is_reversed(hand, actuator)) reversed.push_back(actuator);
+    }
+    if (reversed.size() == before) return;
+  }
+  for (const int actuator : reversed) {
+    double& closing = hand.actuators[static_cast<std::size_t>(actuator)].closing;
+    closing = -closing;
+  }
 }
 
 }  // namespace
@@ -96,6 +140,7 @@ void derive_closing(hand::Description& hand) {
       if (bends && one(i).closing == 0) one(i).closing = towards_others(hand, own[i]);
     }
   }
+  reverse_if_closed_at_zero(hand);
 }
 
 void set_closing(const std::vector<std::string>& joints, hand::Description& hand) {

@@ -17,7 +17,8 @@ bool ranges_determine_closing(const hand::Description& hand);
 
 /// Every finger's last actuator closes it, and those before that turn about an axis like its. Of a
 /// thumb the last two at most do; those before set it against the fingers. They close the way that
-/// their ranges mainly go, or else towards the other fingers.
+/// their ranges mainly go, or else towards the other fingers. Where all ranges go from the closed
+/// hand to the open one, they are reversed.
 void derive_closing(hand::Description& hand);
 
 /// The joints that a user says close the fingers, and no others; "-joint" closes towards its lower

@@ -224,7 +224,8 @@ void Describer::add_drives(const mjModel& model) {
     hand::Actuator actuator;
     actuator.name = one.name;
     actuator.joints = {{.joint = joint}};
-    actuator.command = one.range;
+    actuator.command =
+        limited_by_commands(one.range, model, joint_ids_[static_cast<std::size_t>(joint)]);
     add_followers(actuator);
     actuator.finger = finger_of_joint_[static_cast<std::size_t>(joint)];
     actuator.max_torque = torque_of(model, joint);
@@ -291,10 +292,9 @@ hand::ActuatorVector Describer::posture(double share) const {
   hand::ActuatorVector positions(hand.actuator_count());
   for (int i = 0; i < hand.actuator_count(); ++i) {
     const hand::Actuator& one = hand.actuators[static_cast<std::size_t>(i)];
-    const double end = one.closing > 0 ? one.command.high : one.command.low;
-    const double start = std::clamp(0.0, one.command.low, one.command.high);
+    const double start = hand::straight_command(one);
     positions[i] = one.closing == 0 ? 0.5 * (one.command.low + one.command.high)
-                                    : start + share * (end - start);
+                                    : start + share * (hand::closed_command(one) - start);
   }
   return positions;
 }

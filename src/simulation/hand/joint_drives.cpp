@@ -17,6 +17,8 @@ namespace {
 constexpr double kImplausiblePress = 110;  // N at the fingertip
 constexpr double kPlausiblePress = 18;     // N, of a strong hand
 constexpr double kPassed = 0.1;            // rad by which followers may be led beyond limits
+constexpr double kLeastLeft = 0.2;         // share of a joint's range that commands must reach
+constexpr double kAsGoodAsAll = 0.9;       // share of it above which they differ by rounding
 constexpr double kLeastArm = 0.03;         // m, of a drive that also carries loads from the side
 
 double greatest(const mjtNum* range) { return std::max(std::abs(range[0]), std::abs(range[1])); }
@@ -91,6 +93,15 @@ std::optional<hand::Range> commanded_range(const mjModel& model, int joint) {
     if (high > low) return hand::Range{low, high};
   }
   return {};
+}
+
+hand::Range limited_by_commands(const hand::Range& range, const mjModel& model, int joint) {
+  const auto commanded = commanded_range(model, joint);
+  if (!commanded) return range;
+  const hand::Range both{std::max(range.low, commanded->low),
+                         std::min(range.high, commanded->high)};
+  const double share = (both.high - both.low) / (range.high - range.low);
+  return share < kLeastLeft || share > kAsGoodAsAll ? range : both;
 }
 
 hand::Range range_with_followers(const hand::Description& hand, const hand::Actuator& actuator) {
