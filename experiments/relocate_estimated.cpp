@@ -59,7 +59,7 @@ std::vector<std::string> touch_row(const Subject& subject, const std::string& na
 }
 
 void relocate_estimated(const experiment::Options& options) {
-  const std::vector<Subject> subjects = {{"mug", "relocate-robust"}, {"box", "relocate-box"}};
+  const std::vector<Subject> subjects = {{"mug", "relocate-best"}, {"box", "relocate-box"}};
   const std::vector<Case> cases = {{"explored, then estimated in the grasp"},
                                    {"explored, then carried by the palm", true, false},
                                    {"rough place, then estimated in the grasp", false, true},

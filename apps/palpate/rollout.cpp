@@ -302,7 +302,7 @@ void add_rollout(CLI::App& program, Command& chosen) {
       "  palpate rollout --task relocate-v2 --episodes 20 --threads 2\n"
       "  palpate rollout relocate-best --set episode.scale_high=1 --json\n"
       "  palpate rollout --episodes 3 --record 3 --out out/rollout\n"
-      "  palpate rollout relocate-robust --touch --episodes 10\n"
+      "  palpate rollout --touch --episodes 10\n"
       "  palpate rollout --set task.object=box --set task.friction_scale=0.7");
   command.callback([arguments, &command, &chosen] {
     chosen = [arguments, &command] { return rollout(*arguments, command); };
