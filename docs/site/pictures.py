@@ -50,7 +50,7 @@ def policy_set(policy):
             "--out {work}/drawn",
         ),
         {**pictures, f"{policy}-video.png": "drawn/video.png"},
-        (*RENDERER[:1], "apps/palpate/render.cpp"),
+        (f"models/{policy}.json", *RENDERER[:1], "apps/palpate/render.cpp"),
     )
 
 
@@ -86,8 +86,8 @@ def training_set(seed):
             "--episodes 100 --seed 9100 --out {work}/compared",
         ),
         pictures,
-        ("configs/relocate_dapg.toml", "apps/palpate/train_curves.cpp", *PLOTS, *RENDERER[:1],
-         "apps/palpate/render.cpp"),
+        ("configs/relocate_dapg.toml", "models/relocate-memoryless.json",
+         "apps/palpate/train_curves.cpp", *PLOTS, *RENDERER[:1], "apps/palpate/render.cpp"),
         long=True,
     )
 

@@ -3,8 +3,8 @@
 
 Usage: long_run.py PALPATE [PICKS [ARGUMENT OF eval...]]
 
-The program evaluates PICKS (100) picks of one object in one process. Resident memory is read
-whenever a trial has been written. Prints the medians of the second and the last fifth of the picks
+The program evaluates PICKS (100) picks of one object in one process. Of each pick the least
+resident memory counts. Prints the medians of the second and the last fifth of the picks
 and their ratio; ends with 1 if it exceeds 1.01, or if a file is left behind.
 """
 
@@ -31,14 +31,16 @@ def rows(path):
 
 
 def watch(process, table):
-    """@return kB after each pick"""
-    memory = []
+    """@return least kB during each pick: what it holds beside what a pick takes for a while"""
+    memory, least = [], None
     while process.poll() is None:
-        while len(memory) < rows(table):
-            kb = resident_kb(process.pid)
-            if kb is None:
-                return memory
-            memory.append(kb)
+        kb = resident_kb(process.pid)
+        if kb is None:
+            return memory
+        least = min(kb, least or kb)
+        if len(memory) < rows(table):
+            memory.append(least)
+            least = None
         time.sleep(0.05)
     return memory
 
