@@ -35,9 +35,11 @@ int Description::middle_finger() const {
 }
 
 double straight_command(const Actuator& actuator) {
+  constexpr double kLeastWay = 0.2;  // share of the range from straight to closed
   const auto& [low, high] = actuator.command;
-  if (actuator.closing > 0 && high <= 0) return low;
-  if (actuator.closing < 0 && low >= 0) return high;
+  const double way = kLeastWay * (high - low);
+  if (actuator.closing > 0 && high < way) return low;
+  if (actuator.closing < 0 && low > -way) return high;
   return std::clamp(0.0, low, high);
 }
 

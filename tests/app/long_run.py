@@ -31,7 +31,7 @@ def rows(path):
 
 
 def watch(process, table):
-    """@return least kB during each pick: what it holds beside what a pick takes for a while"""
+    """@return the least resident memory during each pick, kB"""
     memory, least = [], None
     while process.poll() is None:
         kb = resident_kb(process.pid)

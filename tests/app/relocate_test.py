@@ -56,7 +56,7 @@ class RelocateTest(cli.CliTest):
 
     def test_a_policy_may_be_given_what_touch_estimates(self):
         few = ["--episodes", "1", "--set", "episode.horizon=40", "--set", "touch.explore=false"]
-        report = self.run_json("rollout", "relocate-robust", "--touch", *few)
+        report = self.run_json("rollout", "--touch", *few)
         self.assertEqual(
             set(report["touch"]),
             {"explored", "explore_seconds", "resting_error_mm", "reported_error_mm", "estimates",
@@ -66,7 +66,7 @@ class RelocateTest(cli.CliTest):
         self.assertGreater(report["touch"]["estimates"], 0)
         self.assertGreater(report["touch"]["resting_error_mm"], 0)
         self.assertEqual(report["touch"]["explored"], 0)
-        given_the_truth = self.run_json("rollout", "relocate-robust", *few)
+        given_the_truth = self.run_json("rollout", *few)
         self.assertNotIn("touch", given_the_truth)
 
     def test_an_episode_by_touch_is_recorded_seen_and_estimated_again(self):

@@ -42,6 +42,10 @@ TEST(Start, TheHandWaitsStraight) {
   const auto waiting = waiting_command(hand).positions;
   EXPECT_EQ(waiting[bends], 0);
   EXPECT_EQ(waiting[closes_to_zero], 1.5);
+  hand.actuators[static_cast<std::size_t>(closes_to_zero)].command = {-0.03, 1.5};
+  EXPECT_EQ(waiting_command(hand).positions[closes_to_zero], 1.5);
+  hand.actuators[static_cast<std::size_t>(bends)].command = {0.2, 1.5};
+  EXPECT_EQ(waiting_command(hand).positions[bends], 0.2);
 }
 
 /// The centre of mass of this ball is 10 mm from where it is believed to be.

@@ -107,30 +107,70 @@ TEST(JointRange, ThatOfTheCommandsWhereTheJointHasNone) {
   EXPECT_TRUE(reports(result, "the commands of its actuator"));
 }
 
-TEST(JointRange, EndsWhereTheCommandsDoButForRounding) {
+TEST(JointRange, EndsWhereTheCommandsDo) {
   const auto result = hand_with(
       "<actuator><position joint='index_1' kp='3' ctrlrange='0 1'/>"
+      "<position joint='index_2' kp='3' ctrlrange='-1 1'/>"
       "<position joint='ring_1' kp='3' ctrlrange='0 1.55'/>"
       "<position joint='thumb_1' kp='3' ctrlrange='0 0.1'/></actuator>");
   EXPECT_NEAR(actuator(result, "index_1").command.high, 1, 1e-12);
-  EXPECT_NEAR(actuator(result, "ring_1").command.high, 1.6, 1e-12);
-  EXPECT_NEAR(actuator(result, "thumb_1").command.high, 1.6, 1e-12);
+  EXPECT_TRUE(says(result.guesses, "index_1 moves from 0.00 to 1.00 rad"));
+  EXPECT_NEAR(actuator(result, "index_2").command.high, 1.4, 1e-12);  // a default of many files
+  EXPECT_NEAR(actuator(result, "ring_1").command.high, 1.6, 1e-12);   // a rounded one
+  EXPECT_NEAR(actuator(result, "thumb_1").command.high, 1.6, 1e-12);  // would leave next to nothing
+}
+
+/// The hand of two fingers and a thumb, drawn straight where its first joints are at their ends.
+std::string closed_at_zero(const std::string& range = "0 1.6") {
+  std::string text = kHandMjcf;
+  for (const std::string name : {"index_1", "ring_1", "thumb_1"}) {
+    const std::string joint = "<joint name=\"" + name + "\" axis=";
+    text = replaced(text, joint + "\"0 1 0\" range=\"0 1.6\"",
+                    joint + "\"0 -1 0\" ref=\"1.6\" range=\"" + range + "\"");
+  }
+  return text;
 }
 
 TEST(Closing, TowardsZeroInAFileWhoseHandIsClosedThere) {
-  std::string text = kHandMjcf;
-  for (const std::string name : {"index_1", "ring_1", "thumb_1"}) {
-    const std::string joint = "<joint name=\"" + name + "\" ";
-    text = replaced(text, joint + "axis=\"0 1 0\"", joint + "axis=\"0 -1 0\" ref=\"1.6\"");
+  const auto plain = described("plain.xml", kHandMjcf);
+  for (const std::string range : {"0 1.6", "-0.03 1.6"}) {
+    const auto result = described("closed_at_zero.xml", closed_at_zero(range));
+    EXPECT_TRUE(says(result.guesses, "0 is the closed hand"));
+    for (const std::string name : {"index_1", "ring_1", "thumb_1"}) {
+      EXPECT_LT(actuator(result, name).closing, 0) << name;
+      EXPECT_EQ(hand::straight_command(actuator(result, name)), 1.6) << name;
+      EXPECT_LE(hand::closed_command(actuator(result, name)), 0) << name;
+    }
+    for (const std::string name : {"index_2", "ring_2", "thumb_2"}) {
+      EXPECT_GT(actuator(result, name).closing, 0) << name;
+    }
+    EXPECT_EQ(result.hand.thumb, plain.hand.thumb);
+    const Eigen::Matrix3d R = plain.hand.file.T_mount_root.linear();
+    EXPECT_NEAR((result.hand.file.T_mount_root.linear() - R).norm(), 0, 0.1) << range;
   }
-  const auto result = described("closed_at_zero.xml", text);
-  for (const std::string name : {"index_1", "ring_1", "thumb_1"}) {
-    EXPECT_LT(actuator(result, name).closing, 0) << name;
-    EXPECT_EQ(hand::straight_command(actuator(result, name)), 1.6) << name;
-    EXPECT_EQ(hand::closed_command(actuator(result, name)), 0) << name;
-  }
-  for (const std::string name : {"index_2", "ring_2", "thumb_2"}) {
-    EXPECT_GT(actuator(result, name).closing, 0) << name;
+}
+
+std::string finger_of_gripper(const std::string& name, double x, const std::string& axis) {
+  return fmt::format(
+      "<body name='{0}_base' pos='{1} 0 0'><joint name='{0}_1' axis='{2}' range='0 1.57'/>"
+      "<geom type='capsule' size='0.008' fromto='0 0 -0.01 0 0 -0.05'/>"
+      "<body name='{0}_tip' pos='0 0 -0.06'><joint name='{0}_2' axis='{2}' range='0 1.57'/>"
+      "<geom type='capsule' size='0.008' fromto='0 0 -0.01 0 0 -0.05'/></body></body>",
+      name, x, axis);
+}
+
+/// Its fingers can swing past one another.
+TEST(Closing, OfAGripperIsNotReversed) {
+  for (const double apart : {0.03, 0.05, 0.09, 0.12}) {
+    const auto result = described("gripper.xml",
+                                  "<mujoco><compiler angle='radian'/><worldbody><body name='palm'>"
+                                  "<geom type='box' size='0.07 0.03 0.005' pos='0 0 0.02'/>" +
+                                      finger_of_gripper("left", -apart / 2, "0 -1 0") +
+                                      finger_of_gripper("right", apart / 2, "0 1 0") +
+                                      "</body></worldbody></mujoco>");
+    for (const std::string name : {"left_1", "left_2", "right_1", "right_2"}) {
+      EXPECT_GT(actuator(result, name).closing, 0) << name << " " << apart;
+    }
   }
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
@@ -14,9 +13,9 @@
 namespace palpate::simulation {
 namespace {
 
-constexpr double kAlike = 0.7;  // cosine between axes of joints that close a finger
-constexpr double kTried = 0.3;  // rad
-constexpr double kFarther = 1.2;
+constexpr double kAlike = 0.7;    // cosine between axes of joints that close a finger
+constexpr double kTried = 0.3;    // rad
+constexpr double kOpened = 0.02;  // m, by which a tip that is to close goes outwards
 
 /// Axis of the first joint that an actuator moves, in the mount's frame.
 Eigen::Vector3d axis_of(const hand::Description& hand, const hand::Actuator& actuator) {
@@ -53,30 +52,38 @@ double towards_others(const hand::Description& hand, int actuator) {
   return distance(kTried) <= distance(-kTried) ? 1 : -1;
 }
 
-/// Whether an actuator opens its finger where it is believed to close it: it would hold its tip
-/// farther from those that it closes against than straight.
-bool is_reversed(const hand::Description& hand, int actuator) {
+/// Where a finger begins, m: at the first of its joints that close it.
+Eigen::Vector3d base_of(const hand::Description& hand, int finger,
+                        const hand::ActuatorVector& positions) {
+  const int first = hand::closing_actuators(hand, finger).front();
+  const int joint = hand.actuators[static_cast<std::size_t>(first)].joints.front().joint;
+  const auto T = hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, positions));
+  const auto link = std::ranges::find(hand.links, joint, &hand::Link::joint);
+  return T[static_cast<std::size_t>(link - hand.links.begin())].translation();
+}
+
+/// Whether the first actuator of a finger moves its tip away from the fingers on the other side
+/// where it is expected to close. Outer joints may curl a tip round and outwards.
+bool is_reversed(const hand::Description& hand, int finger) {
+  const int first = hand::closing_actuators(hand, finger).front();
   hand::ActuatorVector middle(hand.actuator_count());
   for (int i = 0; i < hand.actuator_count(); ++i) {
     const auto& [low, high] = hand.actuators[static_cast<std::size_t>(i)].command;
     middle[i] = 0.5 * (low + high);
   }
-  const hand::Actuator& one = hand.actuators[static_cast<std::size_t>(actuator)];
-  const auto distance_to_others = [&](double command) {
+  Eigen::Vector3d outwards = Eigen::Vector3d::Zero();
+  for (int other = 0; other < hand.finger_count(); ++other) {
+    if ((other == hand.thumb) == (finger == hand.thumb)) continue;
+    outwards += base_of(hand, finger, middle) - base_of(hand, other, middle);
+  }
+  outwards.normalize();
+  const auto out = [&](double command) {
     hand::ActuatorVector positions = middle;
-    positions[actuator] = command;
-    const auto tips = fingertips(hand, positions);
-    double least = std::numeric_limits<double>::infinity();
-    for (int other = 0; other < hand.finger_count(); ++other) {
-      if (other == one.finger || (other == hand.thumb) == (one.finger == hand.thumb)) continue;
-      const auto away =
-          tips[static_cast<std::size_t>(one.finger)] - tips[static_cast<std::size_t>(other)];
-      least = std::min(least, away.norm());
-    }
-    return least;
+    positions[first] = command;
+    return fingertips(hand, positions)[static_cast<std::size_t>(finger)].dot(outwards);
   };
-  return distance_to_others(hand::closed_command(one)) >
-         kFarther * distance_to_others(hand::straight_command(one));
+  const hand::Actuator& one = hand.actuators[static_cast<std::size_t>(first)];
+  return out(hand::closed_command(one)) - out(hand::straight_command(one)) > kOpened;
 }
 
 std::vector<int> actuators_of(const hand::Description& hand, int finger) {
@@ -85,23 +92,6 @@ std::vector<int> actuators_of(const hand::Description& hand, int finger) {
     if (hand.actuators[static_cast<std::size_t>(i)].finger == finger) own.push_back(i);
   }
   return own;
-}
-
-/// There are files in which 0 is the closed hand: every finger has an actuator whose range goes
-/// where it opens.
-void reverse_if_closed_at_zero(hand::Description& hand) {
-  std::vector<int> reversed;
-  for (int finger = 0; finger < hand.finger_count(); ++finger) {
-    const std::size_t before = reversed.size();
-    for (const int actuator : hand::closing_actuators(hand, finger)) {
-      if (is_reversed(hand, actuator)) reversed.push_back(actuator);
-    }
-    if (reversed.size() == before) return;
-  }
-  for (const int actuator : reversed) {
-    double& closing = hand.actuators[static_cast<std::size_t>(actuator)].closing;
-    closing = -closing;
-  }
 }
 
 }  // namespace
@@ -140,7 +130,21 @@ void derive_closing(hand::Description& hand) {
       if (bends && one(i).closing == 0) one(i).closing = towards_others(hand, own[i]);
     }
   }
-  reverse_if_closed_at_zero(hand);
+}
+
+bool reverse_if_closed_at_zero(hand::Description& hand) {
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    if (hand::closing_actuators(hand, finger).empty()) return false;
+  }
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    if (!is_reversed(hand, finger)) return false;
+  }
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    const int first = hand::closing_actuators(hand, finger).front();
+    double& closing = hand.actuators[static_cast<std::size_t>(first)].closing;
+    closing = -closing;
+  }
+  return true;
 }
 
 void set_closing(const std::vector<std::string>& joints, hand::Description& hand) {

@@ -17,9 +17,13 @@ bool ranges_determine_closing(const hand::Description& hand);
 
 /// Every finger's last actuator closes it, and those before that turn about an axis like its. Of a
 /// thumb the last two at most do; those before set it against the fingers. They close the way that
-/// their ranges mainly go, or else towards the other fingers. Where all ranges go from the closed
-/// hand to the open one, they are reversed.
+/// their ranges mainly go, or else towards the other fingers.
 void derive_closing(hand::Description& hand);
+
+/// Reverses the first joints of a hand that its file draws closed at 0: those of all fingers have
+/// ranges that go outwards, away from the fingers on the other side.
+/// @return whether it did
+bool reverse_if_closed_at_zero(hand::Description& hand);
 
 /// The joints that a user says close the fingers, and no others; "-joint" closes towards its lower
 /// limit. @throws BadInput for a name that is no joint, or that no actuator of a finger moves

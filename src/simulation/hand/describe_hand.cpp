@@ -71,6 +71,7 @@ class Describer {
     check_size(hand());
     choose_thumb(*model);
     if (!ranges_determine_closing(hand())) set_closing();
+    if (notes_.closing.empty() && reverse_if_closed_at_zero(hand())) guess("0 is the closed hand");
     place_mount();
     set_closing();
     set_gains(*model);
@@ -224,15 +225,14 @@ void Describer::add_drives(const mjModel& model) {
     hand::Actuator actuator;
     actuator.name = one.name;
     actuator.joints = {{.joint = joint}};
-    actuator.command =
-        limited_by_commands(one.range, model, joint_ids_[static_cast<std::size_t>(joint)]);
+    actuator.command = one.range;
+    guess(limit_by_commands(model, joint_ids_[static_cast<std::size_t>(joint)], actuator));
+    const auto [low, high] = actuator.command;
     add_followers(actuator);
     actuator.finger = finger_of_joint_[static_cast<std::size_t>(joint)];
     actuator.max_torque = torque_of(model, joint);
-    const double middle = one.range.high + one.range.low;
-    const double width = one.range.high - one.range.low;
-    if (actuator.finger >= 0 && std::abs(middle) > kOneSided * width) {
-      actuator.closing = middle > 0 ? 1 : -1;
+    if (actuator.finger >= 0 && std::abs(high + low) > kOneSided * (high - low)) {
+      actuator.closing = high + low > 0 ? 1 : -1;
     }
     hand().actuators.push_back(actuator);
   }

@@ -95,13 +95,17 @@ std::optional<hand::Range> commanded_range(const mjModel& model, int joint) {
   return {};
 }
 
-hand::Range limited_by_commands(const hand::Range& range, const mjModel& model, int joint) {
+std::string limit_by_commands(const mjModel& model, int joint, hand::Actuator& actuator) {
   const auto commanded = commanded_range(model, joint);
-  if (!commanded) return range;
+  if (!commanded || (commanded->low == -1 && commanded->high == 1)) return {};
+  hand::Range& range = actuator.command;
   const hand::Range both{std::max(range.low, commanded->low),
                          std::min(range.high, commanded->high)};
   const double share = (both.high - both.low) / (range.high - range.low);
-  return share < kLeastLeft || share > kAsGoodAsAll ? range : both;
+  if (share < kLeastLeft || share > kAsGoodAsAll) return {};
+  range = both;
+  return fmt::format("{} moves from {:.2f} to {:.2f} rad, as far as the file's servo commands it",
+                     actuator.name, range.low, range.high);
 }
 
 hand::Range range_with_followers(const hand::Description& hand, const hand::Actuator& actuator) {

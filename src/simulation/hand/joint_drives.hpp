@@ -19,9 +19,10 @@ double torque_limit(const mjModel& model, int joint);
 /// Where the commands of a position actuator move a joint to, rad; nothing without one.
 std::optional<hand::Range> commanded_range(const mjModel& model, int joint);
 
-/// A joint's range as far as commands move it; all of it if that is less than a fifth, or more than
-/// nine tenths.
-hand::Range limited_by_commands(const hand::Range& range, const mjModel& model, int joint);
+/// Ends an actuator's range where the file's commands end, if that leaves a fifth to nine tenths of
+/// it; commands of exactly -1..1 are the default of many a file, and no limit.
+/// @return what was done, in words; empty if nothing
+std::string limit_by_commands(const mjModel& model, int joint, hand::Actuator& actuator);
 
 /// The range of an actuator's first joint in which the joints that follow it keep to theirs, within
 /// 0.1 rad; empty if there is none.
