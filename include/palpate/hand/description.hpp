@@ -192,8 +192,8 @@ struct Description {
   int middle_finger() const;
 };
 
-/// Where an actuator stands in a straight finger, rad: 0, if its range allows that and it does not
-/// close towards 0.
+/// Where an actuator stands in a straight finger, rad: 0 or the end nearest to it; the end away
+/// from closed, if that would leave less than a fifth of the range on the way to closed.
 double straight_command(const Actuator& actuator);
 
 /// Where an actuator stands in a closed finger, rad.
