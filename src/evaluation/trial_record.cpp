@@ -35,7 +35,7 @@ static_assert(counts_up({Fault::none, Fault::stop_requested, Fault::not_finite, 
                          Fault::implausible_change, Fault::frozen, Fault::late, Fault::silent,
                          Fault::excess_force, Fault::unsensed_load, Fault::joint_stuck,
                          Fault::touch_lost, Fault::invalid_command, Fault::log_full,
-                         Fault::exception, Fault::not_at_start}));
+                         Fault::exception, Fault::not_at_start, Fault::touch_swapped}));
 template <class T>
 constexpr bool kNumbered = std::is_same_v<T, PoseStatus> || std::is_same_v<T, PhaseStatus> ||
                            std::is_same_v<T, PlaceStatus> || std::is_same_v<T, Fault>;

@@ -138,13 +138,15 @@ hand::HandReading Executor::step() {
   return in_table_world(std::move(reading));
 }
 
-/// A reading in the world whose z = 0 is the table, less what is known of the load's error.
+/// A reading in the world whose z = 0 is the table, less what is known of the load's error, and
+/// with every contact at the fingertip that senses it.
 hand::HandReading Executor::in_table_world(hand::HandReading reading) {
   reading.mount.xyz.z() -= table_height_;
   if (is_turned_round(reading.mount, command_.mount)) {
     reading.mount = hand::nearest_mount(reading.mount.pose(), command_.mount);
   }
   load_sensor_.correct(reading);
+  trust_.assign_contacts(reading);
   return reading;
 }
 
@@ -282,6 +284,15 @@ void Executor::ease() {
 void Executor::distrust(int finger, std::string detail) {
   if (trust_.trusted(finger)) survived_.push_back({Fault::touch_lost, std::move(detail), time()});
   trust_.distrust(finger);
+}
+
+void Executor::swap_touch(int finger, int other) {
+  const auto& name = [&](int i) { return model_.fingers[static_cast<std::size_t>(i)].name; };
+  survived_.push_back({Fault::touch_swapped,
+                       fmt::format("{} reports what {} touches, and {} what {} touches",
+                                   name(other), name(finger), name(finger), name(other)),
+                       time()});
+  trust_.swap(finger, other);
 }
 
 std::size_t Executor::limited_commands() const { return commands_->changed(); }

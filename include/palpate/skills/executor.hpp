@@ -106,6 +106,9 @@ class Executor {
   /// fault with which the robot goes on (touch_lost).
   /// @param detail  one line that names the finger and says why
   void distrust(int finger, std::string detail);
+  /// From now on the contacts that either fingertip reports are taken for the other's. A fault with
+  /// which the robot goes on (touch_swapped).
+  void swap_touch(int finger, int other);
   FingerTrust& trust() { return trust_; }
   const FingerTrust& trust() const { return trust_; }
   /// Faults with which the robot went on.

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
-#include "palpate/hand/description.hpp"
+#include "palpate/hand/hand.hpp"
 
 namespace palpate::skills {
 
-/// Which fingertips are believed in what they sense: all, at first.
+/// Which fingertips are believed in what they sense: all, at first, and each about itself.
 class FingerTrust {
  public:
   bool trusted(int finger) const { return !distrusted_[static_cast<std::size_t>(finger)]; }
@@ -22,11 +23,16 @@ class FingerTrust {
   void clear(int finger) { cleared_[static_cast<std::size_t>(finger)] = true; }
   bool cleared(int finger) const { return cleared_[static_cast<std::size_t>(finger)]; }
 
+  /// Gives every fingertip the contacts that another one reports for it.
+  void assign_contacts(hand::HandReading& reading) const;
+
  private:
   friend class Executor;  // which makes a fault of it
   void distrust(int finger) { distrusted_[static_cast<std::size_t>(finger)] = true; }
+  void swap(int finger, int other) { swapped_.emplace_back(finger, other); }
 
   hand::PerFinger<bool> distrusted_{}, suspected_{}, cleared_{};
+  std::vector<std::pair<int, int>> swapped_;  // fingers that report each other's contacts
 };
 
 }  // namespace palpate::skills

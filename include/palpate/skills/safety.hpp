@@ -28,12 +28,13 @@ enum class Fault {
   log_full,            ///< the log has reached its limit
   exception,           ///< the hand, a skill or the user's code threw
   not_at_start,        ///< the first reading is not of where the hand is said to stand
+  touch_swapped,       ///< two fingertips report each other's contacts
 };
-inline constexpr std::array<std::string_view, 16> kFaultNames = {
-    "none",        "stop_requested", "not_finite",      "out_of_range", "implausible_change",
-    "frozen",      "late",           "silent",          "excess_force", "unsensed_load",
-    "joint_stuck", "touch_lost",     "invalid_command", "log_full",     "exception",
-    "not_at_start"};
+inline constexpr std::array<std::string_view, 17> kFaultNames = {
+    "none",         "stop_requested", "not_finite",      "out_of_range", "implausible_change",
+    "frozen",       "late",           "silent",          "excess_force", "unsensed_load",
+    "joint_stuck",  "touch_lost",     "invalid_command", "log_full",     "exception",
+    "not_at_start", "touch_swapped"};
 
 inline std::string_view to_string(Fault fault) {
   return kFaultNames[static_cast<std::size_t>(fault)];

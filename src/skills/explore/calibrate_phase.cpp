@@ -86,12 +86,9 @@ std::string_view why_insensitive(const Executor& robot, std::size_t finger) {
                 : "";
 }
 
-/// Of each fingertip: touches of the table in a row that only the mount's load showed.
-using UnsensedTouches = hand::PerFinger<int>;
-
 /// The estimates from the touches so far of the table and of the sensor of the mount's load.
 struct TableSearch {
-  UnsensedTouches unsensed{};
+  UnsensedPresses unsensed;
   std::optional<double> height;  ///< where the last touch found the table, m
   LoadCalibration load;
   LoadDirection direction;
@@ -107,6 +104,25 @@ void require_right_load(Executor& robot, const LoadDirection& direction) {
                   "presses on the table: mount_force has the wrong sign, it is the force "
                   "of the arm on the hand",
                   direction.slope()));
+}
+
+void distrust_insensitive(Executor& robot, int finger) {
+  const auto i = static_cast<std::size_t>(finger);
+  robot.distrust(finger, fmt::format("{} does not sense the table{}", robot.model().fingers[i].name,
+                                     why_insensitive(robot, i)));
+}
+
+/// A fingertip that does not sense the table is believed no more, unless another one reports what
+/// it touches: the two may be swapped, which the other's touches tell.
+void judge_press(Executor& robot, int finger, const TablePress& press, UnsensedPresses& unsensed) {
+  unsensed.add(finger, press);
+  if (unsensed.count(finger) < kInsensitiveTouches) return;
+  if (!unsensed.reporter(finger)) {
+    distrust_insensitive(robot, finger);
+  } else if (const auto other = unsensed.swapped_with(finger, kInsensitiveTouches)) {
+    robot.swap_touch(finger, *other);
+    unsensed = {};
+  }
 }
 
 void touch_table(Executor& robot, const CalibrationTouch& touch, const CalibrateOptions& options,
@@ -125,15 +141,8 @@ void touch_table(Executor& robot, const CalibrationTouch& touch, const Calibrate
     robot.wait(kSettling);
   }
   const TablePress press = press_table(robot, touch, options, contact_height - reach);
-  const auto finger = static_cast<std::size_t>(touch.finger);
-  int& times = search.unsensed[finger];
-  if (press != TablePress::missed) times = press == TablePress::sensed ? 0 : times + 1;
-  if (times >= kInsensitiveTouches) {
-    robot.distrust(touch.finger,
-                   fmt::format("{} does not sense the table{}", robot.model().fingers[finger].name,
-                               why_insensitive(robot, finger)));
-  }
-  if (press == TablePress::sensed) {
+  if (press.met) judge_press(robot, touch.finger, press, search.unsensed);
+  if (press.sensed_by(touch.finger)) {
     search.height = lowest(robot.model(), touch) + robot.reading().mount.xyz.z();
     rest(robot, options);
     if (free) search.direction.add(*free, robot.log(), touch.finger, options.rest);
@@ -236,6 +245,9 @@ PhaseEnd CalibratePhase::run(Executor& robot, PickState& state) {
   for (const auto& touch : calibration_touches(before, options_)) {
     if (!is_reachable(robot, touch, options_)) continue;
     if (robot.trust().trusted(touch.finger)) touch_table(robot, touch, options_, search);
+  }
+  for (int finger = 0; finger < before.finger_count(); ++finger) {
+    if (search.unsensed.count(finger) >= kInsensitiveTouches) distrust_insensitive(robot, finger);
   }
   const hand::HandCommand& now = robot.command();
   const double free =

@@ -22,6 +22,18 @@ Executor::StopCondition pressing_down() {
   };
 }
 
+/// The fingertip that reports the greatest force, if more than `min_force`, N.
+std::optional<int> most_pressed(const hand::HandReading& reading, double min_force) {
+  std::optional<int> most;
+  for (int finger = 0; finger < static_cast<int>(reading.contacts.size()); ++finger) {
+    const double force = hand::tip_force(reading, finger);
+    if (force <= min_force) continue;
+    min_force = force;
+    most = finger;
+  }
+  return most;
+}
+
 /// Goes to an attitude and a posture at once, above the table.
 void move_above(Executor& robot, const CalibrationTouch& touch, const CalibrateOptions& options) {
   const hand::HandCommand& now = robot.command();
@@ -71,8 +83,27 @@ TablePress press_table(Executor& robot, const CalibrationTouch& touch,
     return sensed || loaded(reading);
   };
   const auto end = robot.move_mount(touch.mount(options, height), options.speed, stop);
-  if (end != MotionEnd::stopped) return TablePress::missed;
-  return sensed ? TablePress::sensed : TablePress::unsensed;
+  if (end != MotionEnd::stopped) return {};
+  if (sensed) return {true, touch.finger};
+  return {true, most_pressed(robot.reading(), options.touch_force)};
+}
+
+void UnsensedPresses::add(int finger, const TablePress& press) {
+  OfFinger& of = of_[static_cast<std::size_t>(finger)];
+  if (press.sensed_by(finger)) {
+    of = {};
+    return;
+  }
+  const bool same = of.count == 0 || of.reporter == press.reported_by;
+  of.reporter = same ? press.reported_by : std::nullopt;
+  ++of.count;
+}
+
+std::optional<int> UnsensedPresses::swapped_with(int finger, int count) const {
+  const std::optional<int> other = reporter(finger);
+  const bool swapped = other && reporter(*other) == finger && this->count(finger) >= count &&
+                       this->count(*other) >= count;
+  return swapped ? other : std::nullopt;
 }
 
 }  // namespace palpate::skills

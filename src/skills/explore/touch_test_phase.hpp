@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "palpate/skills/explore/calibrate_phase.hpp"
+#include "skills/explore/table_press.hpp"
 
 namespace palpate::skills {
 
 /// Presses the fingertips on the bare table that something has held up without their sensing it
 /// (Executor::suspects). One that does not sense the table, either, is no longer believed: the
-/// fault touch_lost, with which the robot goes on.
+/// fault touch_lost, with which the robot goes on. Two of which either reports what the other one
+/// touches are swapped from then on (touch_swapped).
 class TouchTestPhase : public Phase {
  public:
   explicit TouchTestPhase(const CalibrateOptions& options) : options_(options) {}
@@ -16,7 +20,10 @@ class TouchTestPhase : public Phase {
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
-  [[nodiscard]] bool is_insensitive(Executor& robot, int finger) const;
+  [[nodiscard]] bool is_insensitive(Executor& robot, double clear_height, int finger,
+                                    UnsensedPresses& unsensed) const;
+  [[nodiscard]] std::optional<int> swapped_with(Executor& robot, double clear_height, int finger,
+                                                UnsensedPresses& unsensed) const;
 
   CalibrateOptions options_;
 };
