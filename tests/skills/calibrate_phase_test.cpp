@@ -8,6 +8,7 @@
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/hand/faulty_hand.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/hand/shadow.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
@@ -94,6 +95,21 @@ TEST(CalibratePhase, FindsTheTableTheMountAndTheLoadOfAnUnknownRobot) {
       << "a third of the largest tilt that is drawn";
   EXPECT_LT(tip_error(scene.robot.model(), drawn_hand()), 0.0015);
   EXPECT_LT(steady_load(scene.robot).norm(), 0.3);
+}
+
+TEST(CalibratePhase, SwappedFingertipsAreFoundAndTheHandIsCalibratedAllTheSame) {
+  Calibrating scene(6, simulation::WorldOptions::realistic());
+  hand::FaultyHand swapped(scene.hand,
+                           {.fault = hand::InjectedFault::fingers_swapped, .finger = 2});
+  Executor robot(swapped, scene.robot.model(), evaluation::waiting_command(scene.robot.model()));
+  CalibratePhase phase(scene.options);
+  PickState state;
+  const auto report = run_phase(phase, robot, state);
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  ASSERT_EQ(robot.survived().size(), 1U);
+  EXPECT_EQ(robot.survived()[0].fault, Fault::touch_swapped);
+  EXPECT_TRUE(robot.trust().trusted(2) && robot.trust().trusted(3));
+  EXPECT_LT(tip_error(robot.model(), drawn_hand()), 0.0015);
 }
 
 TEST(CalibratePhase, TheLogAloneGivesTheSameHand) {

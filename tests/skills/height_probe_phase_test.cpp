@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "hand/fake_hand.hpp"
 #include "palpate/evaluation/trial.hpp"
 #include "palpate/simulation/world/world.hpp"
@@ -93,6 +95,26 @@ TEST(HeightProbePhase, LooksBetweenThePlacesToo) {
   const auto end = HeightProbePhase({}).run(scene.robot, scene.state);
   ASSERT_TRUE(end.ok) << end.outcome;
   EXPECT_LT((scene.state.place - Eigen::Vector2d(-0.05, 0)).norm(), 1e-9);
+}
+
+/// An arm that cannot bring the hand to yaws below 0.8 rad.
+struct TurnedHand : hand::FakeHand {
+  hand::PathFeasibility check_path(std::span<const hand::MountPosition> way) const override {
+    hand::PathFeasibility answer;
+    if (way.back().ypr.x() < 0.8) answer.obstacle = "the forearm";
+    return answer;
+  }
+};
+
+TEST(HeightProbePhase, TurnsTheHandWhereTheArmRequiresIt) {
+  TurnedHand hand;
+  hand::HandCommand start = evaluation::waiting_command(soft_shadow());
+  start.mount.ypr.x() = 1.5;
+  Executor robot(hand, soft_shadow(), start);
+  PickState state;
+  EXPECT_FALSE(HeightProbePhase({}).run(robot, state).ok) << "nothing stands there";
+  EXPECT_NEAR(robot.command().mount.ypr.x(), std::numbers::pi / 3, 1e-9);
+  EXPECT_EQ(state.yaw, 0);
 }
 
 TEST(HeightProbePhase, TheBareTableIsNotTouched) {

@@ -6,6 +6,7 @@
 #include "hand/fake_hand.hpp"
 #include "palpate/estimation/height_probe.hpp"
 #include "palpate/evaluation/trial.hpp"
+#include "palpate/hand/kinematics.hpp"
 #include "skills/soft_shadow.hpp"
 
 namespace palpate::skills {
@@ -50,6 +51,39 @@ TEST(TouchTestPhase, AnInsensitiveFingertipIsNamedAndNoLongerBelieved) {
   EXPECT_FALSE(scene.robot.trust().trusted(kFinger));
   ASSERT_EQ(scene.robot.survived().size(), 1U);
   EXPECT_EQ(scene.robot.survived()[0].fault, Fault::touch_lost);
+}
+
+/// The lower of two fingertips.
+int lower_finger(const hand::HandReading& reading, int a, int b) {
+  const auto links = hand::forward_kinematics(soft_shadow(), reading.joints);
+  const Eigen::Isometry3d T_world_mount = reading.mount.pose();
+  const auto height = [&](int finger) {
+    const auto& tip = soft_shadow().fingers[static_cast<std::size_t>(finger)];
+    return (T_world_mount * links[static_cast<std::size_t>(tip.link)].translation()).z();
+  };
+  return height(a) < height(b) ? a : b;
+}
+
+TEST(TouchTestPhase, FingertipsThatReportEachOthersContactsAreSwapped) {
+  constexpr int kOther = 3;
+  hand::FakeHand hand([](hand::HandReading& reading) {
+    if (estimation::lowest_of_hand(soft_shadow(), reading) > 0) return;
+    reading.mount_force.z() = -6;
+    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+    const int reporting = lower_finger(reading, kFinger, kOther) == kFinger ? kOther : kFinger;
+    reading.contacts[static_cast<std::size_t>(reporting)] = {{0.01 * up, up, -2 * up}};
+  });
+  Executor robot(hand, soft_shadow(), evaluation::waiting_command(soft_shadow()));
+  PickState state;
+  robot.trust().suspect(kFinger);
+  robot.trust().suspect(kOther);
+  EXPECT_EQ(TouchTestPhase({}).run(robot, state).outcome, "swapped: FF and RF");
+  EXPECT_TRUE(robot.trust().suspects().empty());
+  EXPECT_TRUE(robot.trust().trusted(kFinger) && robot.trust().trusted(kOther));
+  ASSERT_EQ(robot.survived().size(), 1U);
+  EXPECT_EQ(robot.survived()[0].fault, Fault::touch_swapped);
+  robot.trust().suspect(kFinger);  // a further test finds that both sense for themselves
+  EXPECT_TRUE(robot.trust().suspects().empty());
 }
 
 TEST(TouchTestPhase, WithoutASuspectNothingIsPressed) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "palpate/skills/stop_conditions.hpp"
@@ -18,6 +19,8 @@ namespace {
 constexpr double kRetreat = 0.06;  // m, up from the touch
 constexpr double kSlowAbove =
     0.025;  // m above what may stand there, from where it comes down slowly
+
+constexpr double kYawStep = std::numbers::pi / 6;  // rad between attitudes that are tried
 
 /// Where to probe for the object, as shares of the search's width from its rough place.
 const std::vector<Eigen::Vector2d> kSearch = {{0, 0}, {0.5, 0}, {0, 0.5}, {-0.5, 0}, {0, -0.5},
@@ -54,14 +57,29 @@ double HeightProbePhase::start_height(const hand::Description& hand, double clea
                   clear_height - lowest_part(hand, flat.positions, flat.attitude));
 }
 
+/// Over a place, flat, turned from the state's yaw no farther than the mount's reach requires.
+hand::MountPosition HeightProbePhase::reachable(const Executor& robot, const PickState& state,
+                                                const Eigen::Vector2d& place) const {
+  const hand::FlatHand& flat = robot.model().postures.flat;
+  const auto above = [&](double yaw) {
+    const Eigen::Vector2d xy = place - Eigen::Rotation2Dd(yaw) * flat.center;
+    hand::MountPosition mount;
+    mount.xyz = {xy.x(), xy.y(), start_height(robot.model(), state.clear_height)};
+    mount.ypr = {yaw, flat.attitude.pitch, flat.attitude.roll};
+    return mount;
+  };
+  for (int step = 0; kYawStep * step <= std::numbers::pi; ++step) {
+    for (const double turn : {kYawStep * step, -kYawStep * step}) {
+      if (robot.obstacle(above(state.yaw + turn)).empty()) return above(state.yaw + turn);
+    }
+  }
+  return above(state.yaw);
+}
+
 /// Comes down flat over a place. @return whether there was something above the table
 bool HeightProbePhase::lower(Executor& robot, PickState& state,
                              const Eigen::Vector2d& place) const {
-  const hand::FlatHand& flat = robot.model().postures.flat;
-  const Eigen::Vector2d xy = place - Eigen::Rotation2Dd(state.yaw) * flat.center;
-  hand::MountPosition above;
-  above.xyz = {xy.x(), xy.y(), start_height(robot.model(), state.clear_height)};
-  above.ypr = {state.yaw, flat.attitude.pitch, flat.attitude.roll};
+  const hand::MountPosition above = reachable(robot, state, place);
   robot.move_mount(above, options_.travel_speed);
   tare(robot);
 

@@ -45,6 +45,8 @@ class HeightProbePhase : public Phase {
 
  private:
   double start_height(const hand::Description& hand, double clear_height) const;
+  hand::MountPosition reachable(const Executor& robot, const PickState& state,
+                                const Eigen::Vector2d& place) const;
   bool lower(Executor& robot, PickState& state, const Eigen::Vector2d& place) const;
   bool descend(Executor& robot) const;
 
