@@ -237,6 +237,18 @@ localization::Posterior PoseEstimator::conclude(const Hypotheses& hypotheses) {
   return localization::pooled(objects, probabilities_, posteriors());
 }
 
+double PoseEstimator::probable_top(const hand::Description& hand, const EventLog& log) const {
+  double top = 0;
+  for (const geometry::ObjectModel* candidate : candidates_) {
+    const KnownObject& object = candidate->object();
+    const auto weights = stable_pose_weights(object, hand, log, options_);
+    const auto best = std::ranges::max_element(weights) - weights.begin();
+    const auto& stable_pose = object.stable_poses[static_cast<std::size_t>(best)];
+    top = std::max(top, geometry::top_of(object, stable_pose));
+  }
+  return top;
+}
+
 localization::Posterior PoseEstimator::resting(const hand::Description& hand, const EventLog& log) {
   auto moments = moments_of_resting(log);
   if (moments != moments_ || moments.empty()) {

@@ -30,12 +30,12 @@ struct HeightMap {
 };
 
 HeightMap height_map(const std::vector<geometry::SurfaceSample>& surface,
-                     const geometry::StablePose& stable_pose) {
+                     const Eigen::Isometry3d& T_table_object) {
   Eigen::Matrix3Xd points(3, surface.size());
   for (std::size_t i = 0; i < surface.size(); ++i) {
-    points.col(static_cast<Eigen::Index>(i)) = stable_pose.R_table_object * surface[i].point;
+    points.col(static_cast<Eigen::Index>(i)) = T_table_object.linear() * surface[i].point;
   }
-  points.row(2).array() += stable_pose.height;
+  points.colwise() += T_table_object.translation();
   HeightMap map;
   map.corner = points.topRows<2>().rowwise().minCoeff();
   map.top = points.row(2).maxCoeff();
@@ -48,6 +48,13 @@ HeightMap height_map(const std::vector<geometry::SurfaceSample>& surface,
     height = std::max(height, p.z());
   }
   return map;
+}
+
+Eigen::Isometry3d on_table(const geometry::StablePose& stable_pose) {
+  Eigen::Isometry3d T_table_object = Eigen::Isometry3d::Identity();
+  T_table_object.linear() = stable_pose.R_table_object;
+  T_table_object.translation().z() = stable_pose.height;
+  return T_table_object;
 }
 
 /// Part of a hand, relative to the hand's lowest point.
@@ -137,8 +144,18 @@ std::vector<double> stopping_heights(const geometry::KnownObject& object,
                                      const geometry::StablePose& stable_pose,
                                      const hand::Description& model, const hand::HandReading& above,
                                      const PlaceOnTable& place) {
-  return stopping_heights(height_map(surface_of(object), stable_pose), parts_of(model, above),
-                          place);
+  return stopping_heights(height_map(surface_of(object), on_table(stable_pose)),
+                          parts_of(model, above), place);
+}
+
+double stopping_height(const geometry::KnownObject& object, const Eigen::Isometry3d& T_world_object,
+                       const hand::Description& model, const hand::HandReading& above) {
+  const HeightMap map = height_map(surface_of(object), T_world_object);
+  double height = 0;
+  for (const Part& part : parts_of(model, above)) {
+    height = stopped_by(map, part, part.center.head<2>(), height);
+  }
+  return height;
 }
 
 std::vector<double> probed_height_likelihoods(const geometry::KnownObject& object,
@@ -150,7 +167,7 @@ std::vector<double> probed_height_likelihoods(const geometry::KnownObject& objec
   const double height = lowest_of_hand(model, stopped);
   std::vector<double> likelihoods;
   for (const auto& stable_pose : object.stable_poses) {
-    const auto heights = stopping_heights(height_map(surface, stable_pose), parts, place);
+    const auto heights = stopping_heights(height_map(surface, on_table(stable_pose)), parts, place);
     likelihoods.push_back(likelihood(heights, height, sigma));
   }
   return likelihoods;

@@ -27,6 +27,10 @@ std::vector<double> stopping_heights(const geometry::KnownObject& object,
                                      const hand::Description& model, const hand::HandReading& above,
                                      const PlaceOnTable& place);
 
+/// The same, m, for an object whose pose is known.
+double stopping_height(const geometry::KnownObject& object, const Eigen::Isometry3d& T_world_object,
+                       const hand::Description& model, const hand::HandReading& above);
+
 /// Likelihood of the height in which a hand was stopped, up to a factor, for each of the object's
 /// stable poses.
 ///

@@ -124,6 +124,10 @@ class PoseEstimator {
   /// @return in the world; status no_pose if the log has no touch
   localization::Posterior resting(const hand::Description& hand, const EventLog& log);
 
+  /// m above the table of the highest point of the object in its most probable stable pose, given
+  /// the height in which the hand was stopped; of all candidates, the highest.
+  [[nodiscard]] double probable_top(const hand::Description& hand, const EventLog& log) const;
+
   /// The pose in the hand at an instant. Contacts are those of the held object, with those that
   /// probes have found; the table supported it when the fingers had closed; the measured height
   /// weighs its stable poses. All is expressed in the hand's mount, in which the object rests.

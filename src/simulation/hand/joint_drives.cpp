@@ -14,12 +14,12 @@ namespace {
 
 // The simulated friction and the misreading of torques grow with the limit, and hide contacts of a
 // newton or two. The installed hands and the Shadow hand press with up to 100 N by their limits.
-constexpr double kImplausiblePress = 110;  // N at the fingertip
-constexpr double kPlausiblePress = 18;     // N, of a strong hand
-constexpr double kPassed = 0.1;            // rad by which followers may be led beyond limits
-constexpr double kLeastLeft = 0.2;         // share of a joint's range that commands must reach
-constexpr double kAsGoodAsAll = 0.9;       // share of it above which they differ by rounding
-constexpr double kLeastArm = 0.03;         // m, of a drive that also carries loads from the side
+constexpr double kImplausiblePress = 60;  // N at the fingertip
+constexpr double kPlausiblePress = 18;    // N, of a strong hand
+constexpr double kPassed = 0.1;           // rad by which followers may be led beyond limits
+constexpr double kLeastLeft = 0.2;        // share of a joint's range that commands must reach
+constexpr double kAsGoodAsAll = 0.9;      // share of it above which they differ by rounding
+constexpr double kLeastArm = 0.03;        // m, of a drive that also carries loads from the side
 
 double greatest(const mjtNum* range) { return std::max(std::abs(range[0]), std::abs(range[1])); }
 

@@ -26,6 +26,9 @@ namespace {
 constexpr double kFirstReach = 0.035;   // m over and under the table that nobody has measured
 constexpr double kSearchReach = 0.014;  // m over and under where the last touch found it
 constexpr double kSettling = 0.1;       // s
+constexpr double kLongSettling = 1.0;   // s, of fingers that still swing
+constexpr double kSwing = 0.1;          // rad from their commands
+constexpr int kMissedTouches = 3;       // in a row, after which the table is looked for again
 constexpr double kLastingShare = 0.8;   // of the readings in which a resting fingertip touches
 constexpr double kSecondsATouch = 8;    // amply
 constexpr int kLoadAttitudes = 10;      // in which the load of the hand alone is read
@@ -42,6 +45,15 @@ void rest(Executor& robot, const CalibrateOptions& options) {
   robot.move_mount(here, options.speed);
   robot.wait(kSettling + options.rest);
   robot.add_event(estimation::TouchEvent::on_table);
+}
+
+/// The weaker the drives and the heavier the fingers, the longer these swing when the mount stops.
+void wait_for_swinging_fingers(Executor& robot) {
+  const auto settled = [&](const hand::HandReading& reading) {
+    const hand::ActuatorVector positions = hand::actuator_positions(robot.model(), reading.joints);
+    return (robot.command().positions - positions).cwiseAbs().maxCoeff() < kSwing;
+  };
+  if (!settled(robot.reading())) robot.wait(kLongSettling, settled);
 }
 
 /// How the mount's load answers what fingertips press on the table with: it falls by as much. Where
@@ -90,6 +102,7 @@ std::string_view why_insensitive(const Executor& robot, std::size_t finger) {
 struct TableSearch {
   UnsensedPresses unsensed;
   std::optional<double> height;  ///< where the last touch found the table, m
+  int missed = 0;                ///< touches in a row that found nothing there
   LoadCalibration load;
   LoadDirection direction;
   int next_load = 0;  ///< attitudes till the load is read again
@@ -140,7 +153,10 @@ void touch_table(Executor& robot, const CalibrationTouch& touch, const Calibrate
   } else {
     robot.wait(kSettling);
   }
+  wait_for_swinging_fingers(robot);
   const TablePress press = press_table(robot, touch, options, contact_height - reach);
+  search.missed = press.met ? 0 : search.missed + 1;
+  if (search.missed >= kMissedTouches) search.height.reset();
   if (press.met) judge_press(robot, touch.finger, press, search.unsensed);
   if (press.sensed_by(touch.finger)) {
     search.height = lowest(robot.model(), touch) + robot.reading().mount.xyz.z();

@@ -21,6 +21,8 @@
 namespace palpate::skills {
 namespace {
 
+constexpr double kHollow = 0.05;          // m of a hand between whose fingers an object may stand
+constexpr double kFarBelow = 0.03;        // m of its top, where such a hand may be stopped
 constexpr double kClearanceAbove = 0.02;  // m of the hand over the object while travelling
 constexpr double kContactSeconds = 0.12;  // s of contact that are averaged
 constexpr double kBlockedLoad = 0.15;  // N more on the mount: something but the fingertip touches
@@ -101,6 +103,10 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   raised_ = 0;
   blocked_ = 0;
   top_ = 0;
+  if (hollow_depth(robot.model()) > kHollow) {
+    const double top = estimator_.probable_top(robot.model(), robot.log());
+    if (top > state.height + kFarBelow) state.height = top;
+  }
   hand::MountPosition up = robot.command().mount;
   up.xyz.z() = std::max(up.xyz.z(), state.height + 0.2);
   probe_ = first_trusted(robot);

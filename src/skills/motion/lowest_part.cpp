@@ -2,6 +2,7 @@
 #include "skills/motion/lowest_part.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace palpate::skills {
@@ -24,6 +25,17 @@ double lowest_part(const hand::Description& hand, const hand::ActuatorVector& po
     low = std::min(low, up.dot(T * ball.center) - ball.radius);
   }
   return low;
+}
+
+double hollow_depth(const hand::Description& hand) {
+  const hand::FlatHand& flat = hand.postures.flat;
+  double highest = -std::numeric_limits<double>::infinity();
+  for (std::size_t link = 0; link < hand.links.size(); ++link) {
+    const double low = lowest_part(hand, flat.positions, flat.attitude,
+                                   [&](int i) { return i == static_cast<int>(link); });
+    if (std::isfinite(low)) highest = std::max(highest, low);
+  }
+  return highest - lowest_part(hand, flat.positions, flat.attitude);
 }
 
 double lowest_on_way(const hand::Description& hand, const hand::ActuatorVector& from,

@@ -17,7 +17,12 @@ double lowest_part(const hand::Description& hand, const hand::ActuatorVector& po
                    const hand::Attitude& attitude,
                    const std::function<bool(int link)>& counts = {});
 
-/// The same on the way between two postures and attitudes: what swings is lowest in between.
+/// m by which the fingers of the flat hand hang below the link that is highest: an object may stand
+/// between them, its top that much higher than where they stop.
+double hollow_depth(const hand::Description& hand);
+
+/// As lowest_part() on the way between two postures and attitudes: what swings is lowest in
+/// between.
 double lowest_on_way(const hand::Description& hand, const hand::ActuatorVector& from,
                      const hand::Attitude& from_attitude, const hand::ActuatorVector& to,
                      const hand::Attitude& to_attitude);

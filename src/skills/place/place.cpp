@@ -10,6 +10,7 @@
 #include <numbers>
 #include <utility>
 
+#include "estimation/height_likelihood.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/gravity.hpp"
 #include "palpate/estimation/mean_load.hpp"
@@ -60,21 +61,26 @@ class ComputePhase : public Phase {
 /// Probes from above whether the object stands where it was put.
 class VerifyPhase : public Phase {
  public:
-  VerifyPhase(const HeightProbeOptions& options, double expected_top)
-      : options_(options), expected_top_(expected_top) {}
+  VerifyPhase(const HeightProbeOptions& options, const geometry::KnownObject& object,
+              const Eigen::Isometry3d& T_world_object)
+      : options_(options), object_(object), T_world_object_(T_world_object) {}
   std::string_view name() const override { return "verify"; }
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Executor& robot, PickState& state) override {
-    const PhaseEnd probed = HeightProbePhase(options_, expected_top_).run(robot, state);
+    const double top = top_of(object_.mesh, T_world_object_);
+    const PhaseEnd probed = HeightProbePhase(options_, top).run(robot, state);
     if (!probed.ok) return {false, "found nothing where the object was put"};
-    const double off = state.height - expected_top_;
+    const double expected =
+        estimation::stopping_height(object_, T_world_object_, robot.model(), robot.reading());
+    const double off = state.height - expected;
     return {std::abs(off) < kWrongHeight,
-            fmt::format("top measured {:+.1f} mm from where it should be", 1e3 * off)};
+            fmt::format("stopped {:+.1f} mm from where the object should stop it", 1e3 * off)};
   }
 
  private:
   HeightProbeOptions options_;
-  double expected_top_;
+  const geometry::KnownObject& object_;
+  Eigen::Isometry3d T_world_object_;
 };
 
 /// One placing, step by step.
@@ -377,8 +383,7 @@ void Placement::execute() {
   state_.place = result_.T_world_placed->translation().head<2>();
   HeightProbeOptions verify_options = task_.pick.height_probe;
   verify_options.search = 0;
-  const double top = top_of(object_.mesh, *result_.T_world_placed);
-  if (sequence_.run(VerifyPhase(verify_options, top))) return;
+  if (sequence_.run(VerifyPhase(verify_options, object_, *result_.T_world_placed))) return;
   if (!out_of_reach()) fail(PlaceStatus::missing);  // else the phase's outcome says why
 }
 
