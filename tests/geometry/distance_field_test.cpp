@@ -32,6 +32,18 @@ TEST(DistanceField, IsTheSignedDistanceWithinTheCell) {
   }
 }
 
+TEST(DistanceField, IsTheSameWherePointsAreFetchedBefore) {
+  const MeshQuery mesh(torus_mesh(0.03, 0.012, 40, 20));
+  const DistanceField field(mesh, 0.002, 0.01);
+  const Eigen::Vector3f inside(0.031F, 0.004F, 0.002F), outside(0.2F, 0, 0);
+  EXPECT_EQ(field.fetched(outside).node, nullptr);
+  const DistanceField::Cell cell = field.fetched(inside);
+  EXPECT_EQ(field.distance(cell), field.distance(inside));
+  EXPECT_EQ(field.at(cell).distance, field.at(inside)->distance);
+  EXPECT_EQ(field.at(cell).gradient, field.at(inside)->gradient);
+  EXPECT_EQ(field.at(cell).squared_curvature, field.at(inside)->squared_curvature);
+}
+
 /// Round edges and corners of a box seen from outside are the quadratic fields that linear
 /// interpolation on cells of 2 mm misses by 0.17 mm per curved direction at 3 mm.
 TEST(DistanceField, FollowsTheCurveRoundEdgesAndCorners) {

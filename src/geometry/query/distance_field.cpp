@@ -7,6 +7,7 @@
 #include <cstring>
 #include <string>
 
+#include "core/lanes.hpp"
 #include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
 
@@ -68,6 +69,41 @@ std::string cache_key(const TriangleMesh& mesh, double cell, double padding) {
   return key;
 }
 
+using Node = Floats4;  // gradient and distance
+
+Node load(const Eigen::Vector4f& stored) {
+  Node node;
+  std::memcpy(&node, stored.data(), sizeof(node));
+  return node;
+}
+
+/// Two nodes, or two values between nodes, that lie side by side along an axis.
+struct Pair {
+  Node low, change;
+};
+
+Pair pair_of(Node low, Node high) { return {low, high - low}; }
+
+/// Where a point lies between the two ends of a cell along an axis, and how far the chord of a
+/// curve of unit change of slope lies above it there.
+struct Between {
+  float t, sag;
+};
+
+/// Linear along an axis, the distance less what a curve lies below its chord.
+template <int kAxis>
+Node blend(const Pair& pair, const Between& between) {
+  constexpr Ints4 kDistance{0, 0, 0, -1};
+  const Node bend = __builtin_shufflevector(pair.change, pair.change, kAxis, kAxis, kAxis, kAxis);
+  const auto sag = Node(Ints4(between.sag * bend) & kDistance);
+  return pair.low + between.t * pair.change - sag;
+}
+
+/// Of the components of the gradient.
+float squared_norm(Node change) {
+  return Eigen::Vector3f(change[0], change[1], change[2]).squaredNorm();
+}
+
 }  // namespace
 
 DistanceField::DistanceField(const MeshQuery& mesh, double cell, double padding)
@@ -107,14 +143,8 @@ void DistanceField::fill(const MeshQuery& mesh) {
   }
 }
 
-std::optional<DistanceField::Cell> DistanceField::cell_of(const Eigen::Vector3f& p) const {
-  const Eigen::Array3f at = (p - origin_).array() / cell_;
-  if (!((at >= 0).all() && (at <= (size_ - 1).cast<float>()).all())) return std::nullopt;
-  return cell_at(at);
-}
-
 /// @param at  a place in the grid, in cells
-DistanceField::Cell DistanceField::cell_at(const Eigen::Array3f& at) const {
+inline DistanceField::Cell DistanceField::cell_at(const Eigen::Array3f& at) const {
   const Eigen::Array3i low = at.cast<int>().min(size_ - 2);
   const auto row = static_cast<std::size_t>(size_[2]);
   const std::size_t slab = row * static_cast<std::size_t>(size_[1]);
@@ -123,25 +153,35 @@ DistanceField::Cell DistanceField::cell_at(const Eigen::Array3f& at) const {
               at - low.cast<float>()};
 }
 
-/// Linear between two nodes along an axis, the distance less what a curve lies below its chord.
-Eigen::Vector4f DistanceField::blend(const Eigen::Vector4f& low, const Eigen::Vector4f& high,
-                                     int axis, float t) const {
-  const Eigen::Vector4f change = high - low;
-  Eigen::Vector4f value = low + t * change;
-  value[3] -= 0.5F * cell_ * t * (1 - t) * change[axis];
-  return value;
+inline std::optional<DistanceField::Cell> DistanceField::cell_of(const Eigen::Vector3f& p) const {
+  const Eigen::Array3f at = (p - origin_).array() / cell_;
+  if (!((at >= 0).all() && (at <= (size_ - 1).cast<float>()).all())) return std::nullopt;
+  return cell_at(at);
+}
+
+DistanceField::Cell DistanceField::fetched(const Eigen::Vector3f& p) const {
+  const auto cell = cell_of(p);
+  if (!cell) return {nullptr, {}};
+  const auto row = static_cast<std::size_t>(size_[2]);
+  const std::size_t slab = row * static_cast<std::size_t>(size_[1]);
+  for (const std::size_t of_cell : {std::size_t{0}, row, slab, slab + row}) {
+    __builtin_prefetch(cell->node + of_cell);
+    __builtin_prefetch(cell->node + of_cell + 1);  // they may lie in two lines of the cache
+  }
+  return *cell;
 }
 
 std::optional<DistanceField::Sample> DistanceField::at(const Eigen::Vector3f& p) const {
   const auto cell = cell_of(p);
-  return cell ? std::optional(sample_in(*cell)) : std::nullopt;
+  return cell ? std::optional(at(*cell)) : std::nullopt;
 }
 
 DistanceField::Sample DistanceField::anywhere(const Eigen::Vector3f& p) const {
-  if (const auto cell = cell_of(p)) return sample_in(*cell);
-  const Eigen::Array3f at = ((p - origin_).array() / cell_).max(0).min((size_ - 1).cast<float>());
-  const Eigen::Vector3f way = p - origin_ - cell_ * at.matrix();
-  Sample sample = sample_in(cell_at(at));
+  if (const auto cell = cell_of(p)) return at(*cell);
+  const Eigen::Array3f nearest =
+      ((p - origin_).array() / cell_).max(0).min((size_ - 1).cast<float>());
+  const Eigen::Vector3f way = p - origin_ - cell_ * nearest.matrix();
+  Sample sample = at(cell_at(nearest));
   sample.distance += way.norm();
   for (int axis = 0; axis < 3; ++axis) {  // along the others the nearest point of the grid moves
     if (way[axis] != 0) sample.gradient[axis] = way[axis] / way.norm();
@@ -149,36 +189,53 @@ DistanceField::Sample DistanceField::anywhere(const Eigen::Vector3f& p) const {
   return sample;
 }
 
-DistanceField::Sample DistanceField::sample_in(const Cell& cell) const {
+/// The nodes of a cell by pairs along z, and where the point lies along each axis.
+struct DistanceField::Corners {
+  Pair z00, z01, z10, z11;
+  Between x, y, z;
+};
+
+inline DistanceField::Corners DistanceField::corners_of(const Cell& cell) const {
   const auto& [node, t] = cell;
   const auto row = static_cast<std::size_t>(size_[2]);
   const std::size_t slab = row * static_cast<std::size_t>(size_[1]);
-  const auto along_z = [&](const Eigen::Vector4f* n) { return blend(n[0], n[1], 2, t[2]); };
-  const Eigen::Vector4f n00 = along_z(node), n01 = along_z(node + row);
-  const Eigen::Vector4f n10 = along_z(node + slab), n11 = along_z(node + slab + row);
-  const Eigen::Vector4f n0 = blend(n00, n01, 1, t[1]), n1 = blend(n10, n11, 1, t[1]);
-  const Eigen::Vector4f value = blend(n0, n1, 0, t[0]);
-  const auto across_z = [&](const Eigen::Vector4f* n) -> Eigen::Vector4f { return n[1] - n[0]; };
-  const Eigen::Vector4f z0 = (1 - t[1]) * across_z(node) + t[1] * across_z(node + row);
-  const Eigen::Vector4f z1 =
-      (1 - t[1]) * across_z(node + slab) + t[1] * across_z(node + slab + row);
-  const Eigen::Vector3f by_x = (n1 - n0).head<3>();  // change of the gradient over a cell
-  const Eigen::Vector3f by_y = ((1 - t[0]) * (n01 - n00) + t[0] * (n11 - n10)).head<3>();
-  const Eigen::Vector3f by_z = ((1 - t[0]) * z0 + t[0] * z1).head<3>();
-  const float changes = by_x.squaredNorm() + by_y.squaredNorm() + by_z.squaredNorm();
-  return Sample{value[3], value.head<3>(), 0.5F * changes / (cell_ * cell_)};
+  const auto along_z = [](const Eigen::Vector4f* n) { return pair_of(load(n[0]), load(n[1])); };
+  const auto between = [&](int axis) {
+    return Between{t[axis], 0.5F * cell_ * t[axis] * (1 - t[axis])};
+  };
+  return {along_z(node),
+          along_z(node + row),
+          along_z(node + slab),
+          along_z(node + slab + row),
+          between(0),
+          between(1),
+          between(2)};
+}
+
+DistanceField::Sample DistanceField::at(const Cell& cell) const {
+  const Corners at = corners_of(cell);
+  const Pair y0 = pair_of(blend<2>(at.z00, at.z), blend<2>(at.z01, at.z));
+  const Pair y1 = pair_of(blend<2>(at.z10, at.z), blend<2>(at.z11, at.z));
+  const Pair x = pair_of(blend<1>(y0, at.y), blend<1>(y1, at.y));
+  const Node value = blend<0>(x, at.x);
+  const Node z0 = (1 - at.y.t) * at.z00.change + at.y.t * at.z01.change;
+  const Node z1 = (1 - at.y.t) * at.z10.change + at.y.t * at.z11.change;
+  const Node by_y = (1 - at.x.t) * y0.change + at.x.t * y1.change;  // of the gradient, over a cell
+  const Node by_z = (1 - at.x.t) * z0 + at.x.t * z1;
+  const float changes = squared_norm(x.change) + squared_norm(by_y) + squared_norm(by_z);
+  return Sample{value[3], {value[0], value[1], value[2]}, 0.5F * changes / (cell_ * cell_)};
+}
+
+float DistanceField::distance(const Cell& cell) const {
+  const Corners at = corners_of(cell);
+  const Pair y0 = pair_of(blend<2>(at.z00, at.z), blend<2>(at.z01, at.z));
+  const Pair y1 = pair_of(blend<2>(at.z10, at.z), blend<2>(at.z11, at.z));
+  return blend<0>(pair_of(blend<1>(y0, at.y), blend<1>(y1, at.y)), at.x)[3];
 }
 
 float DistanceField::distance(const Eigen::Vector3f& p) const {
   const auto cell = cell_of(p);
-  if (!cell) return beyond_;
-  const auto& [node, t] = *cell;
-  const auto row = static_cast<std::size_t>(size_[2]);
-  const std::size_t slab = row * static_cast<std::size_t>(size_[1]);
-  const auto along_z = [&](const Eigen::Vector4f* n) { return blend(n[0], n[1], 2, t[2]); };
-  const Eigen::Vector4f n0 = blend(along_z(node), along_z(node + row), 1, t[1]);
-  const Eigen::Vector4f n1 = blend(along_z(node + slab), along_z(node + slab + row), 1, t[1]);
-  return blend(n0, n1, 0, t[0])[3];
+  return cell ? distance(*cell) : beyond_;
 }
 
 }  // namespace palpate::geometry

@@ -27,6 +27,19 @@ class DistanceField {
   /// Interpolated value at p (in the mesh's frame); nothing outside the grid.
   std::optional<Sample> at(const Eigen::Vector3f& p) const;
 
+  /// The cell of the grid that holds a point.
+  struct Cell {
+    const Eigen::Vector4f* node;  ///< its first; null outside the grid
+    Eigen::Array3f t;             ///< the place in it, 0..1 along each axis
+  };
+  /// Where p is, for at() and distance() a little later: the nodes, which mostly are not in the
+  /// processor's cache, are fetched meanwhile.
+  Cell fetched(const Eigen::Vector3f& p) const;
+  /// As below.
+  /// @param cell  inside the grid
+  Sample at(const Cell& cell) const;
+  float distance(const Cell& cell) const;
+
   /// Interpolated distance at p; outside the grid `beyond()`.
   float distance(const Eigen::Vector3f& p) const;
 
@@ -38,16 +51,10 @@ class DistanceField {
   float beyond() const { return beyond_; }
 
  private:
-  /// The cell that holds a point: its first node, and the place in it, 0..1 along each axis.
-  struct Cell {
-    const Eigen::Vector4f* node;
-    Eigen::Array3f t;
-  };
   std::optional<Cell> cell_of(const Eigen::Vector3f& p) const;
   Cell cell_at(const Eigen::Array3f& at) const;
-  Sample sample_in(const Cell& cell) const;
-  Eigen::Vector4f blend(const Eigen::Vector4f& low, const Eigen::Vector4f& high, int axis,
-                        float t) const;
+  struct Corners;
+  Corners corners_of(const Cell& cell) const;
   bool take_nodes(std::string_view bytes);
   void fill(const MeshQuery& mesh);
 
