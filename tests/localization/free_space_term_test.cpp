@@ -35,5 +35,28 @@ TEST(FreeSpaceTerm, ALargeBallBesideTheObjectIsNoPenetration) {
   }
 }
 
+/// Balls are looked at in batches, of four at a time.
+TEST(FreeSpaceTerm, IsTheSumOverItsBalls) {
+  const geometry::ObjectModel& model = model_of("box");
+  RandomStream random(3);
+  const SearchPose pose{random.rotation().cast<float>(), Eigen::Vector3f(0.01F, -0.02F, 0.03F)};
+  const auto energy_of = [&](const std::vector<FreeSphere>& balls) {
+    Evidence evidence;
+    evidence.free_space = balls;
+    const FreeSpaceTerm term(model, evidence,
+                             std::make_shared<FreeSpaceTerm::Balls>(model, evidence), 1);
+    return static_cast<double>(term.energy(pose, kNoBound));
+  };
+  std::vector<FreeSphere> balls;
+  double sum = 0;
+  for (int i = 0; i < 71; ++i) {
+    balls.push_back({0.07 * random.normal3(), 0.004});
+    sum += energy_of({balls.back()});
+    if (i % 7 != 0) continue;
+    EXPECT_NEAR(energy_of(balls), sum, 1e-4 * sum) << balls.size() << " balls";
+  }
+  EXPECT_GT(sum, 1);
+}
+
 }  // namespace
 }  // namespace palpate::localization

@@ -2,6 +2,7 @@
 #include "geometry/query/clearance.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace palpate::geometry {
@@ -27,6 +28,8 @@ Clearance::Clearance(const geometry::DistanceField& field, const geometry::Trian
       }
     }
   }
+  values_.push_back(beyond_);
+  values_.push_back(std::numeric_limits<float>::infinity());
 }
 
 }  // namespace palpate::geometry

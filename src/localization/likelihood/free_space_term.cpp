@@ -73,6 +73,17 @@ FreeSpaceTerm::Balls::Balls(const geometry::ObjectModel& model, const Evidence& 
     balls.push_back({sphere.center.cast<float>(), static_cast<float>(radius),
                      static_cast<float>(std::pow(object_radius + radius, 2))});
   }
+  constexpr float kNever = -1;
+  fours.resize((balls.size() + 3) / 4, FourBalls{{}, {}, Floats4{} + kNever});
+  for (std::size_t j = 0; j < balls.size(); ++j) {
+    FourBalls& four = fours[j / 4];
+    const auto lane = static_cast<int>(j % 4);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      four.center[axis][lane] = balls[j].center[static_cast<Eigen::Index>(axis)];
+    }
+    four.radius[lane] = balls[j].radius;
+    four.reach_squared[lane] = balls[j].reach_squared;
+  }
 }
 
 FreeSpaceTerm::FreeSpaceTerm(const geometry::ObjectModel& model, const Evidence& evidence,
@@ -87,21 +98,53 @@ FreeSpaceTerm::FreeSpaceTerm(const geometry::ObjectModel& model, const Evidence&
   count_ = std::min(shared_->balls.size(), std::max(kFewest, few));
 }
 
+void FreeSpaceTerm::place(const SearchPose& pose, std::size_t first, Batch& batch) const {
+  const Eigen::Matrix3f& R = pose.R;
+  const Eigen::Vector3f& t = pose.t;
+  const std::size_t size = std::min(Batch::kSize, count_ - first);
+  std::size_t near_count = 0;
+  for (std::size_t i = 0; i < size; i += 4) {
+    const FourBalls& four = shared_->fours[(first + i) / 4];
+    const Floats4 x = four.center[0] - t[0], y = four.center[1] - t[1], z = four.center[2] - t[2];
+    const auto along = [&](int axis) { return R(0, axis) * x + (R(1, axis) * y + R(2, axis) * z); };
+    batch.x[i / 4] = along(0);
+    batch.y[i / 4] = along(1);
+    batch.z[i / 4] = along(2);
+    batch.arm_squared[i / 4] = x * x + (y * y + z * z);
+    const Ints4 far = batch.arm_squared[i / 4] > four.reach_squared;
+    const Ints4 places = clearance_.places_of(batch.x[i / 4], batch.y[i / 4], batch.z[i / 4], ~far);
+    for (std::size_t lane = 0; lane < 4; ++lane) {  // without a branch, which is hard to predict
+      const float clear = clearance_.value_at(places[static_cast<int>(lane)]);
+      batch.near[near_count] = i + lane;
+      near_count += !(clear >= four.radius[static_cast<int>(lane)]) && i + lane < size;
+    }
+  }
+  batch.near_count = near_count;
+}
+
+float FreeSpaceTerm::distance_at(const Eigen::Vector3f& center,
+                                 const geometry::DistanceField::Cell& cell) const {
+  const float distance = cell.node ? field_.distance(cell) : field_.beyond();
+  return distance < field_.beyond() ? distance : field_.anywhere(center).distance;
+}
+
 float FreeSpaceTerm::energy(const SearchPose& pose, float bound) const {
-  const Eigen::Matrix3f R_object_frame = pose.R.transpose();
+  Batch batch;
+  std::array<geometry::DistanceField::Cell, Batch::kSize> cells;
   float sum = 0;
-  for (std::size_t j = 0; j < count_; ++j) {
-    const Ball& ball = shared_->balls[j];
-    const Eigen::Vector3f arm = ball.center - pose.t;
-    if (arm.squaredNorm() > ball.reach_squared) continue;
-    const Eigen::Vector3f center = R_object_frame * arm;
-    if (clearance_.at_least(center) >= ball.radius) continue;
-    float distance = field_.distance(center);
-    if (distance >= field_.beyond()) distance = field_.anywhere(center).distance;
-    const float depth = ball.radius - distance;
-    if (depth <= 0) continue;
-    sum += 0.5F * depth * depth / (variance_ + growth_variance_ * arm.squaredNorm());
-    if (sum > bound) break;
+  for (std::size_t first = 0; first < count_; first += Batch::kSize) {
+    place(pose, first, batch);
+    for (std::size_t n = 0; n < batch.near_count; ++n) {
+      cells[n] = field_.fetched(batch.center(batch.near[n]));
+    }
+    for (std::size_t n = 0; n < batch.near_count; ++n) {
+      const std::size_t i = batch.near[n];
+      const float depth = shared_->balls[first + i].radius - distance_at(batch.center(i), cells[n]);
+      if (depth <= 0) continue;
+      sum +=
+          0.5F * depth * depth / (variance_ + growth_variance_ * Batch::of(batch.arm_squared, i));
+      if (sum > bound) return sum;
+    }
   }
   return sum;
 }
