@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <ranges>
 
 #include "localization/likelihood/evidence_term.hpp"
 
@@ -76,6 +77,9 @@ NoiseLevels make_noise(const geometry::ObjectModel& model, const Evidence& evide
   noise.cap = static_cast<float>(std::log1p(greatest));
   noise.inverse_peak = std::exp(-noise.cap);
   noise.stated_cap = std::log1p(noise.odds[0]);
+  noise.last_as_first =
+      std::ranges::all_of(levels | std::views::reverse | std::views::take(4),
+                          [](const auto& l) { return l.point_noise == 1 && l.normal_noise == 1; });
   return noise;
 }
 

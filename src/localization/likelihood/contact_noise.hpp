@@ -29,6 +29,7 @@ struct NoiseLevels {
   float cap = 0, inverse_peak = 0;  // the greatest ln(1 + A), 1 / (1 + A)
   float stated_cap = 0;             // ln(1 + A) of the first
   float outlier_share = 0;          // of normals
+  bool last_as_first = false;       // the last four have the first's noise: they are other sizes
 };
 
 /// @param scale  by which all noise is multiplied

@@ -20,8 +20,6 @@ constexpr float kMinProduct = 1e-18F;      // times the least factor still is a 
 constexpr float kOffsetReach = 3;          // standard deviations that an offset is within
 constexpr int kFitSteps = 2;               // of reweighting contacts for the offset
 
-constexpr float kOutlierVariance = 9;  // times the variance of normals, there
-
 }  // namespace
 
 ContactTerm::ContactTerm(const geometry::ObjectModel& model, const Evidence& evidence,
@@ -102,10 +100,6 @@ void ContactTerm::Product::multiply(const Levels& factor) {
   log_scale += std::log(most);
 }
 
-float ContactTerm::Product::energy(const Levels& priors) const {
-  return -log_scale - std::log((priors * likelihood).sum());
-}
-
 ContactTerm::NormalFit ContactTerm::normal_fit(std::size_t k, float q) const {
   const float outlier_share = noise_[k].outlier_share;
   const float near = (1 - outlier_share) * std::exp(-q);
@@ -114,19 +108,19 @@ ContactTerm::NormalFit ContactTerm::normal_fit(std::size_t k, float q) const {
   return {density, outlier_share > 0 ? (near + far / kOutlierVariance) / density : 1};
 }
 
-ContactTerm::Residual ContactTerm::residual_at(const Datum& contact, const SearchPose& pose) const {
+ContactTerm::Residual ContactTerm::residual_at(const Datum& contact, const SearchPose& pose,
+                                               const Located& at) const {
   Residual residual;
-  const Eigen::Vector3f y = pose.R.transpose() * (contact.raised - pose.t);
-  const auto sample = field_.at(y);
-  if (!sample) return residual;
+  if (!at.cell.node) return residual;
+  const geometry::DistanceField::Sample sample = field_.at(at.cell);
   residual.near = true;
-  residual.squared_curvature = sample->squared_curvature;
-  residual.distance = sample->distance - contact.offset;
-  const float length = std::max(kShortestGradient, sample->gradient.norm());
-  residual.normal = 1 - (pose.R.transpose() * contact.n).dot(sample->gradient) / length;
-  residual.scale_derivative = sample->distance - y.dot(sample->gradient) / length;
+  residual.squared_curvature = sample.squared_curvature;
+  residual.distance = sample.distance - contact.offset;
+  const float length = std::max(kShortestGradient, sample.gradient.norm());
+  residual.normal = 1 - (pose.R.transpose() * contact.n).dot(sample.gradient) / length;
+  residual.scale_derivative = sample.distance - at.y.dot(sample.gradient) / length;
   if (contact.reach > 0)
-    residual.slope = contact.R_offset_frame * (pose.R * sample->gradient) / length;
+    residual.slope = contact.R_offset_frame * (pose.R * sample.gradient) / length;
   return residual;
 }
 
@@ -148,6 +142,9 @@ ContactTerm::Levels ContactTerm::likelihood(std::size_t k, const Residual& resid
                           (1 + noise.max_curvature_widening * residual.squared_curvature);
   if (!residual.near || min_q > kHopeless) {
     return Levels::Constant(growth_.size(), noise.inverse_peak);
+  }
+  if (growth_.size() == kMaxNoiseHypotheses && slack == 0) {
+    return likelihood_at_all(noise, growth_, residual);
   }
   Levels distance = residual.distance + growth_ * residual.scale_derivative;
   if (slack > 0) distance = (distance.abs() - slack).max(0.0F);
@@ -250,9 +247,12 @@ float ContactTerm::energy(const SearchPose& pose, float bound) const {
   std::vector<Residual> sharing;
   if (!groups_.empty()) sharing.resize(contacts_.size());
   Product least = alone;  // with contacts as near as their offset may bring them
+  Located next = contacts_.empty() ? Located{} : located(contacts_.front(), pose);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Located here = next;
+    if (k + 1 < contacts_.size()) next = located(contacts_[k + 1], pose);
     if (is_candidate(k)) continue;
-    const Residual residual = residual_at(contacts_[k], pose);
+    const Residual residual = residual_at(contacts_[k], pose, here);
     const Levels factor = likelihood(k, residual, contacts_[k].reach * residual.slope.norm());
     least.multiply(factor);
     if (const float sum = least.energy(priors_); sum > bound) return sum;

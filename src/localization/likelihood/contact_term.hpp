@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
-#include "localization/likelihood/contact_noise.hpp"
+#include "localization/likelihood/contact_likelihood.hpp"
 #include "localization/likelihood/evidence_term.hpp"
 #include "palpate/localization/localizer.hpp"
 
@@ -83,12 +84,14 @@ class ContactTerm : public EvidenceTerm {
     std::vector<std::size_t> members;
   };
   /// A contact as it lies at a pose.
-  struct Residual {
-    float distance = 0, normal = 0;                   // a, 1 - n.m
-    float scale_derivative = 0;                       // of `distance` by the object's growth
+  struct Residual : ContactPlace {
     Eigen::Vector3f slope = Eigen::Vector3f::Zero();  // of `distance` by the offset
-    float squared_curvature = 0;                      // of the surface, 1/m^2
     bool near = false;                                // within reach of the distance field
+  };
+  /// Where a contact is in the object's frame.
+  struct Located {
+    Eigen::Vector3f y;
+    geometry::DistanceField::Cell cell;
   };
   /// An offset and the information about it.
   struct Fit {
@@ -106,7 +109,9 @@ class ContactTerm : public EvidenceTerm {
     Levels likelihood;
     float log_scale = 0;
     void multiply(const Levels& factor);
-    float energy(const Levels& priors) const;
+    float energy(const Levels& priors) const {
+      return -log_scale - std::log((priors * likelihood).sum());
+    }
   };
 
   /// Candidates of which at least one touches. The caps are of all members at the surface at once,
@@ -127,7 +132,14 @@ class ContactTerm : public EvidenceTerm {
   }
   /// @param q  (1 - n.m) / sn^2
   NormalFit normal_fit(std::size_t contact, float q) const;
-  Residual residual_at(const Datum& contact, const SearchPose& pose) const;
+  Located located(const Datum& contact, const SearchPose& pose) const {
+    const Eigen::Vector3f y = pose.R.transpose() * (contact.raised - pose.t);
+    return {y, field_.fetched(y)};
+  }
+  Residual residual_at(const Datum& contact, const SearchPose& pose, const Located& at) const;
+  Residual residual_at(const Datum& contact, const SearchPose& pose) const {
+    return residual_at(contact, pose, located(contact, pose));
+  }
   std::vector<Residual> residuals_at(const SearchPose& pose) const;
   float distance_at(const Residual& residual, Eigen::Index level) const {
     return residual.distance + growth_[level] * residual.scale_derivative;
