@@ -106,10 +106,45 @@ std::string Executor::obstacle(const hand::MountPosition& target) const {
   return check_path(std::move(way)).obstacle;
 }
 
+/// Whether the mount can be brought along straight lines from where it is commanded to be.
+bool Executor::is_feasible(const std::vector<hand::MountPosition>& corners) const {
+  std::vector<hand::MountPosition> way;
+  hand::MountPosition from = command_.mount;
+  for (const hand::MountPosition& corner : corners) {
+    for (int i = 1; i <= kCheckedSteps; ++i) {
+      way.push_back(between(from, corner, static_cast<double>(i) / kCheckedSteps));
+    }
+    from = corner;
+  }
+  return check_path(std::move(way)).obstacle.empty();
+}
+
+/// Where the straight way is obstructed: the turn is made at the higher end, before or after the
+/// mount moves.
+std::optional<hand::MountPosition> Executor::corner_before(
+    const hand::MountPosition& target) const {
+  const hand::MountPosition& here = command_.mount;
+  if (is_feasible({target})) return std::nullopt;
+  const hand::MountPosition turned{here.xyz, target.ypr}, moved{target.xyz, here.ypr};
+  if (here.xyz.z() >= target.xyz.z() && is_feasible({turned, target})) return turned;
+  if (target.xyz.z() >= here.xyz.z() && is_feasible({moved, target})) return moved;
+  return std::nullopt;
+}
+
 MotionEnd Executor::move_mount(const hand::MountPosition& target, double speed,
                                const StopCondition& stop) {
   if (stop) speed = std::min(speed, mount_limits().guarded_speed);
   require_motion(target, speed);
+  if (!stop) {
+    if (const auto corner = corner_before(target)) {
+      if (const auto end = move_straight(*corner, speed, {}); end != MotionEnd::reached) return end;
+    }
+  }
+  return move_straight(target, speed, stop);
+}
+
+MotionEnd Executor::move_straight(const hand::MountPosition& target, double speed,
+                                  const StopCondition& stop) {
   const hand::MountPosition from = command_.mount;
   SpeedProfile profile(seconds_of(from, target, speed));
   limit_mount(target, profile);

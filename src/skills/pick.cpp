@@ -287,6 +287,7 @@ class Picking {
     if (!sequence_.run(PosePhase(estimator_))) return true;
     if (options_.palpation.table_touches > 0 &&
         !sequence_.run(TouchTablePhase(estimator_, options_.palpation, options_.lift.hold))) {
+      doubt_friction();
       return false;
     }
     const bool in_doubt = probability() <= options_.palpation.certain;

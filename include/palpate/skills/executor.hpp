@@ -138,6 +138,8 @@ class Executor {
   [[nodiscard]] std::string obstacle(const hand::MountPosition& target) const;
 
   /// Moves the mount on a straight line (m/s; it turns along in proportion), until there or `stop`.
+  /// Where an arm cannot do that, a motion without `stop` turns first and then moves, or the other
+  /// way round.
   /// Where the arm's joints are slower than that, it takes longer. A speed that is not positive and
   /// finite, or that takes longer than the log, is a fault (invalid_command). @throws Unreachable
   MotionEnd move_mount(const hand::MountPosition& target, double speed,
@@ -172,6 +174,11 @@ class Executor {
   Value ask_hand(const std::function<Value()>& ask) const;
   [[nodiscard]] hand::PathFeasibility check_path(std::vector<hand::MountPosition> way) const;
   [[nodiscard]] hand::MountLimits mount_limits() const;
+  [[nodiscard]] bool is_feasible(const std::vector<hand::MountPosition>& corners) const;
+  [[nodiscard]] std::optional<hand::MountPosition> corner_before(
+      const hand::MountPosition& target) const;
+  MotionEnd move_straight(const hand::MountPosition& target, double speed,
+                          const StopCondition& stop);
   void require_motion(const hand::MountPosition& target, double speed);
   void limit_mount(const hand::MountPosition& target, SpeedProfile& profile) const;
   void limit_fingers(const hand::ActuatorVector& posture, SpeedProfile& profile);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "palpate/skills/stop_conditions.hpp"
@@ -57,23 +58,30 @@ double HeightProbePhase::start_height(const hand::Description& hand, double clea
                   clear_height - lowest_part(hand, flat.positions, flat.attitude));
 }
 
-/// Over a place, flat, turned from the state's yaw no farther than the mount's reach requires.
+/// Over a place, flat, turned from the state's yaw no farther than the mount's reach requires, here
+/// and, if possible, down to the table.
 hand::MountPosition HeightProbePhase::reachable(const Executor& robot, const PickState& state,
                                                 const Eigen::Vector2d& place) const {
   const hand::FlatHand& flat = robot.model().postures.flat;
-  const auto above = [&](double yaw) {
+  const double low = lowest_part(robot.model(), flat.positions, flat.attitude);
+  const auto over = [&](double yaw, double height) {
     const Eigen::Vector2d xy = place - Eigen::Rotation2Dd(yaw) * flat.center;
     hand::MountPosition mount;
-    mount.xyz = {xy.x(), xy.y(), start_height(robot.model(), state.clear_height)};
+    mount.xyz = {xy.x(), xy.y(), height};
     mount.ypr = {yaw, flat.attitude.pitch, flat.attitude.roll};
     return mount;
   };
+  const double start = start_height(robot.model(), state.clear_height);
+  std::optional<double> reachable_above;
   for (int step = 0; kYawStep * step <= std::numbers::pi; ++step) {
     for (const double turn : {kYawStep * step, -kYawStep * step}) {
-      if (robot.obstacle(above(state.yaw + turn)).empty()) return above(state.yaw + turn);
+      const double yaw = state.yaw + turn;
+      if (!robot.obstacle(over(yaw, start)).empty()) continue;
+      if (robot.obstacle(over(yaw, options_.clearance - low)).empty()) return over(yaw, start);
+      if (!reachable_above) reachable_above = yaw;
     }
   }
-  return above(state.yaw);
+  return over(reachable_above.value_or(state.yaw), start);
 }
 
 /// Comes down flat over a place. @return whether there was something above the table
