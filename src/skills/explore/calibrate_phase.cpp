@@ -259,8 +259,12 @@ PhaseEnd CalibratePhase::run(Executor& robot, PickState& state) {
   const hand::Description before = robot.model();
   TableSearch search;
   for (const auto& touch : calibration_touches(before, options_)) {
-    if (!is_reachable(robot, touch, options_)) continue;
-    if (robot.trust().trusted(touch.finger)) touch_table(robot, touch, options_, search);
+    if (!is_reachable(robot, touch, options_) || !robot.trust().trusted(touch.finger)) continue;
+    try {
+      touch_table(robot, touch, options_, search);
+    } catch (const Unreachable&) {  // on the way: the others may do
+      rise(robot, kTravelHeight, options_.travel_speed);
+    }
   }
   for (int finger = 0; finger < before.finger_count(); ++finger) {
     if (search.unsensed.count(finger) >= kInsensitiveTouches) distrust_insensitive(robot, finger);
