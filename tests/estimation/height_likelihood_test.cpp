@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "palpate/estimation/estimate.hpp"
 #include "palpate/estimation/height_probe.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
 #include "skills/soft_shadow.hpp"
@@ -54,6 +55,28 @@ TEST(StoppingHeights, WhatFitsBetweenTheFingersStopsTheHandByItsPalm) {
   const geometry::StablePose standing{Eigen::Matrix3d::Identity(), 0.055, 1};
   for (const double height : stopping_heights(rod, standing, two_fingers, reading, {{0, 0}, 0})) {
     EXPECT_NEAR(height, 0.11 - 0.04, 0.002);
+  }
+}
+
+TEST(StoppingHeights, OfAnObjectWhosePoseIsKnown) {
+  const auto box = box_of(0.12, 0.12, 0.1);
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.05));
+  const auto stopped = [&] {
+    return stopping_height(box, T_world_object, skills::soft_shadow(), flat_at(0.3));
+  };
+  EXPECT_NEAR(stopped(), 0.1, 0.002);
+  T_world_object.translation().x() = 0.6;
+  EXPECT_EQ(stopped(), 0);
+}
+
+TEST(ProbableTop, IsThatOfTheStablePoseThatStopsTheHandWhereItWas) {
+  const geometry::ObjectModel box(box_of(0.05, 0.094, 0.175));
+  const PoseEstimator estimator(box, {}, 1);
+  for (const double height : {0.05, 0.094, 0.175}) {
+    EventLog log;
+    log.readings.push_back(flat_at(height));
+    log.moments.push_back({TouchEvent::height_probed, 0});
+    EXPECT_NEAR(estimator.probable_top(skills::soft_shadow(), log), height, 1e-6);
   }
 }
 

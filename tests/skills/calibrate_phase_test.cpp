@@ -112,6 +112,30 @@ TEST(CalibratePhase, SwappedFingertipsAreFoundAndTheHandIsCalibratedAllTheSame) 
   EXPECT_LT(tip_error(robot.model(), drawn_hand()), 0.0015);
 }
 
+/// A hand on an arm that meets the table in some attitudes, which shows only on the way down.
+struct OnAShortArm : hand::FaultyHand {
+  explicit OnAShortArm(hand::Hand& hand) : FaultyHand(hand, {}) {}
+  hand::PathFeasibility check_path(std::span<const hand::MountPosition> way) const override {
+    hand::PathFeasibility answer;
+    const bool down = way.size() > 1 && way.back().xyz.z() < way.front().xyz.z();
+    const bool slow = way.size() != kAsked && way.back().ypr.z() > 0.3;
+    if (down && slow) answer = {.obstacle = "the wrist would meet the table", .feasible = 1};
+    return answer;
+  }
+  static constexpr std::size_t kAsked = 100;  // positions of a way that is not yet taken
+};
+
+TEST(CalibratePhase, LeavesOutTouchesOnWhoseWayAnArmIsObstructed) {
+  Calibrating scene(6, simulation::WorldOptions::realistic());
+  OnAShortArm hand(scene.hand);
+  Executor robot(hand, scene.robot.model(), evaluation::waiting_command(scene.robot.model()));
+  CalibratePhase phase(scene.options);
+  PickState state;
+  const auto report = run_phase(phase, robot, state);
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_LT(tip_error(robot.model(), drawn_hand()), 0.002);
+}
+
 TEST(CalibratePhase, TheLogAloneGivesTheSameHand) {
   Calibrating scene(4);
   scene.options.touches = 6;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "hand/fake_hand.hpp"
@@ -52,6 +53,41 @@ TEST(StretchedWay, KeepsToTheLinesBetweenTheCommands) {
     before = command.mount.xyz;
   }
   EXPECT_TRUE(stretched(from, {}, 0).empty());
+}
+
+/// A hand whose mount cannot turn while it moves.
+struct TurnsOrMoves : hand::FakeHand {
+  hand::PathFeasibility check_path(std::span<const hand::MountPosition> way) const override {
+    hand::PathFeasibility answer;
+    for (std::size_t i = 1; i < way.size(); ++i) {
+      const bool moves = (way[i].xyz - way[i - 1].xyz).norm() > 1e-12;
+      const bool turns = (way[i].ypr - way[i - 1].ypr).norm() > 1e-12;
+      if (moves && turns) answer.obstacle = "it would do both";
+    }
+    return answer;
+  }
+};
+
+TEST(Executor, TurnsAtTheHigherEndWhereTheStraightWayIsObstructed) {
+  for (const double rise : {0.1, -0.1}) {
+    TurnsOrMoves hand;
+    Executor robot(hand, kSoftHand, hand::resting_command());
+    const hand::MountPosition from = robot.command().mount;
+    hand::MountPosition target = from;
+    target.xyz += Eigen::Vector3d(0.1, 0, rise);
+    target.ypr.x() += 0.5;
+    EXPECT_EQ(robot.move_mount(target, 0.2), MotionEnd::reached);
+    EXPECT_EQ(robot.command().mount.xyz, target.xyz);
+    EXPECT_EQ(robot.command().mount.ypr, target.ypr);
+    const double higher = std::max(from.xyz.z(), target.xyz.z());
+    for (const auto& reading : robot.log().readings) {
+      const double turned = reading.mount.ypr.x() - from.ypr.x();
+      if (turned < 1e-9 || turned > 0.5 - 1e-9) continue;
+      EXPECT_NEAR(reading.mount.xyz.z(), higher, 1e-9);
+    }
+    const auto never = [](const hand::HandReading&) { return false; };
+    EXPECT_THROW(robot.move_mount(from, 0.2, never), Unreachable) << "guarded: straight, or not";
+  }
 }
 
 TEST(Executor, FollowsASlowArmsWayMoreSlowly) {
