@@ -86,6 +86,22 @@ TEST(TouchTestPhase, FingertipsThatReportEachOthersContactsAreSwapped) {
   EXPECT_TRUE(robot.trust().suspects().empty());
 }
 
+TEST(TouchTestPhase, AFingertipThatAnArmCannotPressOnTheTableIsNotBlamed) {
+  struct OutOfReach : hand::FakeHand {
+    hand::PathFeasibility check_path(std::span<const hand::MountPosition> way) const override {
+      const bool far = way.back().xyz.head<2>().norm() > 0.2;
+      return {.obstacle = far ? "out of reach" : "", .feasible = 0};
+    }
+  };
+  OutOfReach hand;
+  Executor robot(hand, soft_shadow(), evaluation::waiting_command(soft_shadow()));
+  PickState state;
+  robot.trust().suspect(kFinger);
+  EXPECT_TRUE(TouchTestPhase({}).run(robot, state).ok);
+  EXPECT_TRUE(robot.trust().trusted(kFinger));
+  EXPECT_TRUE(robot.survived().empty());
+}
+
 TEST(TouchTestPhase, WithoutASuspectNothingIsPressed) {
   OverTheTable scene(false);
   EXPECT_EQ(TouchTestPhase({}).run(scene.robot, scene.state).outcome,

@@ -30,11 +30,13 @@ void rise_clear(Executor& robot, double clear_height, double speed) {
 double TouchTestPhase::time_limit() const { return kSecondsAFinger * hand::kMaxFingers; }
 
 /// A fingertip with which the hand cannot press on the table counts as insensitive: it was held up.
+/// Not so where an arm cannot bring the hand there: more often a link was held up.
 bool TouchTestPhase::is_insensitive(Executor& robot, double clear_height, int finger,
                                     UnsensedPresses& unsensed) const {
   const auto touch = calibration_touch(robot.model(), finger);
-  if (!touch || !is_reachable(robot, *touch, options_)) return true;
+  if (!touch) return true;
   rise_clear(robot, clear_height, options_.travel_speed);
+  if (!is_reachable(robot, *touch, options_)) return false;
   take_attitude(robot, *touch, options_);
   const double contact_height = -lowest(robot.model(), *touch);
   for (int i = 0; i < kPresses; ++i) {
