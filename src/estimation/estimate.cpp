@@ -238,13 +238,17 @@ localization::Posterior PoseEstimator::conclude(const Hypotheses& hypotheses) {
 }
 
 double PoseEstimator::probable_top(const hand::Description& hand, const EventLog& log) const {
-  double top = 0;
-  for (const geometry::ObjectModel* candidate : candidates_) {
-    const KnownObject& object = candidate->object();
-    const auto weights = stable_pose_weights(object, hand, log, options_);
-    const auto best = std::ranges::max_element(weights) - weights.begin();
-    const auto& stable_pose = object.stable_poses[static_cast<std::size_t>(best)];
-    top = std::max(top, geometry::top_of(object, stable_pose));
+  double top = 0, greatest = 0;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const KnownObject& object = candidates_[i]->object();
+    const auto likelihoods = height_likelihoods(object, hand, log, options_);
+    for (std::size_t k = 0; k < likelihoods.size(); ++k) {
+      const geometry::StablePose& stable_pose = object.stable_poses[k];
+      const double weight = likelihoods[k] * stable_pose.probability * probabilities_.candidates[i];
+      if (weight <= greatest) continue;
+      greatest = weight;
+      top = geometry::top_of(object, stable_pose);
+    }
   }
   return top;
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -10,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <numbers>
+#include <ranges>
 #include <utility>
 
 #include "palpate/core/error.hpp"
@@ -215,8 +217,10 @@ void Executor::hear(const std::function<void()>& ask) {
 bool Executor::take(hand::HandReading reading) {
   ReadingCheck check = check_reading(reading);
   if (check.usable) keep(std::move(reading));
-  if (check.fault == Fault::touch_lost && !survived_.empty()) {
-    check.detail += ": " + survived_.back().detail;
+  const auto lost =
+      std::ranges::find(survived_ | std::views::reverse, Fault::touch_lost, &FaultReport::fault);
+  if (check.fault == Fault::touch_lost && lost != survived_.rend()) {
+    check.detail += ": " + lost->detail;
   }
   if (check.fault != Fault::none) stop_for(check.fault, check.detail);
   return check.usable;

@@ -144,7 +144,7 @@ class Picking {
     while (!result_.held && attempts_left()) {
       if (result_.attempts++ > 0) prepare_next_attempt();
       result_.held = attempt();
-      if (result_.held && unknown() && doubts_ < kDoubts && robot_.survived().empty() &&
+      if (result_.held && unknown() && doubts_ < kDoubts && robot_.trust().all_trusted() &&
           attempts_left()) {
         ++doubts_;
         result_.held = false;

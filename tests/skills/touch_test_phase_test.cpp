@@ -86,7 +86,7 @@ TEST(TouchTestPhase, FingertipsThatReportEachOthersContactsAreSwapped) {
   EXPECT_TRUE(robot.trust().suspects().empty());
 }
 
-TEST(TouchTestPhase, AFingertipThatAnArmCannotPressOnTheTableIsNotBlamed) {
+TEST(TouchTestPhase, AFingertipThatAnArmCannotPressOnTheTableStaysUntested) {
   struct OutOfReach : hand::FakeHand {
     hand::PathFeasibility check_path(std::span<const hand::MountPosition> way) const override {
       const bool far = way.back().xyz.head<2>().norm() > 0.2;
@@ -97,8 +97,10 @@ TEST(TouchTestPhase, AFingertipThatAnArmCannotPressOnTheTableIsNotBlamed) {
   Executor robot(hand, soft_shadow(), evaluation::waiting_command(soft_shadow()));
   PickState state;
   robot.trust().suspect(kFinger);
-  EXPECT_TRUE(TouchTestPhase({}).run(robot, state).ok);
+  EXPECT_EQ(TouchTestPhase({}).run(robot, state).outcome, "out of reach: FF");
   EXPECT_TRUE(robot.trust().trusted(kFinger));
+  EXPECT_FALSE(robot.trust().cleared(kFinger));
+  EXPECT_TRUE(robot.trust().suspects().empty());
   EXPECT_TRUE(robot.survived().empty());
 }
 

@@ -125,7 +125,7 @@ class PoseEstimator {
   localization::Posterior resting(const hand::Description& hand, const EventLog& log);
 
   /// m above the table of the highest point of the object in its most probable stable pose, given
-  /// the height in which the hand was stopped; of all candidates, the highest.
+  /// the height in which the hand was stopped, over all candidates.
   [[nodiscard]] double probable_top(const hand::Description& hand, const EventLog& log) const;
 
   /// The pose in the hand at an instant. Contacts are those of the held object, with those that

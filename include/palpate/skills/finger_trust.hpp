@@ -13,6 +13,7 @@ namespace palpate::skills {
 class FingerTrust {
  public:
   bool trusted(int finger) const { return !distrusted_[static_cast<std::size_t>(finger)]; }
+  bool all_trusted() const;
 
   /// Something has held up this finger, which sensed nothing. Ignored once it was cleared.
   void suspect(int finger) { suspected_[static_cast<std::size_t>(finger)] = true; }
@@ -21,6 +22,8 @@ class FingerTrust {
   std::vector<int> suspects() const;
   /// The finger's sensor works: what held it up did not touch its tip.
   void clear(int finger) { cleared_[static_cast<std::size_t>(finger)] = true; }
+  /// Neither suspected nor cleared: whether its sensor works was not found out.
+  void end_suspicion(int finger) { suspected_[static_cast<std::size_t>(finger)] = false; }
   bool cleared(int finger) const { return cleared_[static_cast<std::size_t>(finger)]; }
 
   /// Gives every fingertip the contacts that another one reports for it.

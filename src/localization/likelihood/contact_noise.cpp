@@ -78,8 +78,10 @@ NoiseLevels make_noise(const geometry::ObjectModel& model, const Evidence& evide
   noise.inverse_peak = std::exp(-noise.cap);
   noise.stated_cap = std::log1p(noise.odds[0]);
   noise.last_as_first =
-      std::ranges::all_of(levels | std::views::reverse | std::views::take(4),
-                          [](const auto& l) { return l.point_noise == 1 && l.normal_noise == 1; });
+      std::ranges::all_of(levels | std::views::reverse | std::views::take(4), [&](const auto& l) {
+        return l.point_noise == levels.front().point_noise &&
+               l.normal_noise == levels.front().normal_noise;
+      });
   return noise;
 }
 

@@ -13,7 +13,7 @@ namespace palpate::simulation {
 namespace {
 
 // The simulated friction and the misreading of torques grow with the limit, and hide contacts of a
-// newton or two. The installed hands and the Shadow hand press with up to 100 N by their limits.
+// newton or two. The Shadow hand presses with up to 41 N by its limits, Allegro and LEAP with 24 N.
 constexpr double kImplausiblePress = 60;  // N at the fingertip
 constexpr double kPlausiblePress = 18;    // N, of a strong hand
 constexpr double kPassed = 0.1;           // rad by which followers may be led beyond limits

@@ -28,6 +28,7 @@ constexpr double kSearchReach = 0.014;  // m over and under where the last touch
 constexpr double kSettling = 0.1;       // s
 constexpr double kLongSettling = 1.0;   // s, of fingers that still swing
 constexpr double kSwing = 0.1;          // rad from their commands
+constexpr int kSettledTicks = 20;       // in a row near their commands
 constexpr int kMissedTouches = 3;       // in a row, after which the table is looked for again
 constexpr double kLastingShare = 0.8;   // of the readings in which a resting fingertip touches
 constexpr double kSecondsATouch = 8;    // amply
@@ -49,11 +50,15 @@ void rest(Executor& robot, const CalibrateOptions& options) {
 
 /// The weaker the drives and the heavier the fingers, the longer these swing when the mount stops.
 void wait_for_swinging_fingers(Executor& robot) {
-  const auto settled = [&](const hand::HandReading& reading) {
+  const auto near = [&](const hand::HandReading& reading) {
     const hand::ActuatorVector positions = hand::actuator_positions(robot.model(), reading.joints);
     return (robot.command().positions - positions).cwiseAbs().maxCoeff() < kSwing;
   };
-  if (!settled(robot.reading())) robot.wait(kLongSettling, settled);
+  if (near(robot.reading())) return;
+  robot.wait(kLongSettling, [&, ticks = 0](const hand::HandReading& reading) mutable {
+    ticks = near(reading) ? ticks + 1 : 0;
+    return ticks >= kSettledTicks;
+  });
 }
 
 /// How the mount's load answers what fingertips press on the table with: it falls by as much. Where
@@ -134,7 +139,8 @@ void judge_press(Executor& robot, int finger, const TablePress& press, UnsensedP
     distrust_insensitive(robot, finger);
   } else if (const auto other = unsensed.swapped_with(finger, kInsensitiveTouches)) {
     robot.swap_touch(finger, *other);
-    unsensed = {};
+    unsensed.forget(finger);
+    unsensed.forget(*other);
   }
 }
 
@@ -262,8 +268,7 @@ PhaseEnd CalibratePhase::run(Executor& robot, PickState& state) {
     if (!is_reachable(robot, touch, options_) || !robot.trust().trusted(touch.finger)) continue;
     try {
       touch_table(robot, touch, options_, search);
-    } catch (const Unreachable&) {  // on the way: the others may do
-      rise(robot, kTravelHeight, options_.travel_speed);
+    } catch (const Unreachable&) {  // NOLINT(bugprone-empty-catch): the next one begins by rising
     }
   }
   for (int finger = 0; finger < before.finger_count(); ++finger) {

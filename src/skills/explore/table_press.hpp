@@ -39,6 +39,7 @@ class UnsensedPresses {
  public:
   /// @param press  of this fingertip, that has met something
   void add(int finger, const TablePress& press);
+  void forget(int finger) { of_[static_cast<std::size_t>(finger)] = {}; }
   [[nodiscard]] int count(int finger) const { return of_[static_cast<std::size_t>(finger)].count; }
   /// The fingertip that reports what this one presses on, and whose own presses this one reports,
   /// each at least `count` times in a row.

@@ -30,13 +30,12 @@ void rise_clear(Executor& robot, double clear_height, double speed) {
 double TouchTestPhase::time_limit() const { return kSecondsAFinger * hand::kMaxFingers; }
 
 /// A fingertip with which the hand cannot press on the table counts as insensitive: it was held up.
-/// Not so where an arm cannot bring the hand there: more often a link was held up.
-bool TouchTestPhase::is_insensitive(Executor& robot, double clear_height, int finger,
-                                    UnsensedPresses& unsensed) const {
+TouchTestPhase::Result TouchTestPhase::test(Executor& robot, double clear_height, int finger,
+                                            UnsensedPresses& unsensed) const {
   const auto touch = calibration_touch(robot.model(), finger);
-  if (!touch) return true;
+  if (!touch) return Result::insensitive;
   rise_clear(robot, clear_height, options_.travel_speed);
-  if (!is_reachable(robot, *touch, options_)) return false;
+  if (!is_reachable(robot, *touch, options_)) return Result::untested;
   take_attitude(robot, *touch, options_);
   const double contact_height = -lowest(robot.model(), *touch);
   for (int i = 0; i < kPresses; ++i) {
@@ -44,10 +43,10 @@ bool TouchTestPhase::is_insensitive(Executor& robot, double clear_height, int fi
     tare(robot);
     const TablePress press = press_table(robot, *touch, options_, contact_height - kReach);
     rise(robot, kTravelHeight, options_.travel_speed);
-    if (!press.met || press.sensed_by(finger)) return false;
+    if (!press.met || press.sensed_by(finger)) return Result::sensitive;
     unsensed.add(finger, press);
   }
-  return true;
+  return Result::insensitive;
 }
 
 /// The fingertip that reports what this insensitive one touches, if that holds the other way round,
@@ -55,7 +54,7 @@ bool TouchTestPhase::is_insensitive(Executor& robot, double clear_height, int fi
 std::optional<int> TouchTestPhase::swapped_with(Executor& robot, double clear_height, int finger,
                                                 UnsensedPresses& unsensed) const {
   const std::optional<int> other = unsensed.reporter(finger);
-  if (!other || !is_insensitive(robot, clear_height, *other, unsensed)) return {};
+  if (!other || test(robot, clear_height, *other, unsensed) != Result::insensitive) return {};
   return unsensed.swapped_with(finger, kPresses);
 }
 
@@ -67,8 +66,12 @@ PhaseEnd TouchTestPhase::run(Executor& robot, PickState& state) {
   for (const int finger : robot.trust().suspects()) {
     if (robot.trust().cleared(finger)) continue;  // with the one that it was swapped with
     UnsensedPresses unsensed;
-    if (!is_insensitive(robot, state.clear_height, finger, unsensed)) {
+    const Result result = test(robot, state.clear_height, finger, unsensed);
+    if (result == Result::sensitive) {
       robot.trust().clear(finger);
+    } else if (result == Result::untested) {
+      robot.trust().end_suspicion(finger);
+      found.push_back(fmt::format("out of reach: {}", name(finger)));
     } else if (const auto other = swapped_with(robot, state.clear_height, finger, unsensed)) {
       robot.swap_touch(finger, *other);
       robot.trust().clear(finger);

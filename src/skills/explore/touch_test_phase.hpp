@@ -20,8 +20,9 @@ class TouchTestPhase : public Phase {
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
-  [[nodiscard]] bool is_insensitive(Executor& robot, double clear_height, int finger,
-                                    UnsensedPresses& unsensed) const;
+  enum class Result { sensitive, insensitive, untested };
+
+  Result test(Executor& robot, double clear_height, int finger, UnsensedPresses& unsensed) const;
   [[nodiscard]] std::optional<int> swapped_with(Executor& robot, double clear_height, int finger,
                                                 UnsensedPresses& unsensed) const;
 

@@ -69,9 +69,13 @@ class VerifyPhase : public Phase {
   PhaseEnd run(Executor& robot, PickState& state) override {
     const double top = top_of(object_.mesh, T_world_object_);
     const PhaseEnd probed = HeightProbePhase(options_, top).run(robot, state);
-    if (!probed.ok) return {false, "found nothing where the object was put"};
     const double expected =
         estimation::stopping_height(object_, T_world_object_, robot.model(), robot.reading());
+    if (!probed.ok) {
+      const bool between = expected < options_.clearance;  // it fits between the fingers
+      return {between, between ? "lower than where this hand is stopped"
+                               : "found nothing where the object was put"};
+    }
     const double off = state.height - expected;
     return {std::abs(off) < kWrongHeight,
             fmt::format("stopped {:+.1f} mm from where the object should stop it", 1e3 * off)};

@@ -110,7 +110,7 @@ class Probing {
   /// A hand that lacks a finger keeps what it holds, and so does one that holds something nearly
   /// round, which may roll away.
   [[nodiscard]] bool worth_regrasping() const {
-    return robot_.survived().empty() && regrasps_made(robot_.log()) < options_.regrasps &&
+    return robot_.trust().all_trusted() && regrasps_made(robot_.log()) < options_.regrasps &&
            probability_but_for_hidden_spin(object_, posterior(),
                                            estimator_.options().surface_sigma) <= options_.certain;
   }

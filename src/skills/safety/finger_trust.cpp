@@ -18,6 +18,10 @@ std::vector<int> FingerTrust::suspects() const {
   return fingers;
 }
 
+bool FingerTrust::all_trusted() const {
+  return std::ranges::none_of(distrusted_, [](bool distrusted) { return distrusted; });
+}
+
 void FingerTrust::assign_contacts(hand::HandReading& reading) const {
   for (const auto& [finger, other] : swapped_) {
     const auto a = static_cast<std::size_t>(finger), b = static_cast<std::size_t>(other);
