@@ -61,9 +61,11 @@ class ComputePhase : public Phase {
 /// Probes from above whether the object stands where it was put.
 class VerifyPhase : public Phase {
  public:
-  VerifyPhase(const HeightProbeOptions& options, const geometry::KnownObject& object,
+  VerifyPhase(const PickOptions& options, const geometry::KnownObject& object,
               const Eigen::Isometry3d& T_world_object)
-      : options_(options), object_(object), T_world_object_(T_world_object) {}
+      : options_(options.height_probe), object_(object), T_world_object_(T_world_object) {
+    options_.search = 0;
+  }
   std::string_view name() const override { return "verify"; }
   double time_limit() const override { return 30.0; }
   PhaseEnd run(Executor& robot, PickState& state) override {
@@ -71,11 +73,8 @@ class VerifyPhase : public Phase {
     const PhaseEnd probed = HeightProbePhase(options_, top).run(robot, state);
     const double expected =
         estimation::stopping_height(object_, T_world_object_, robot.model(), robot.reading());
-    if (!probed.ok) {
-      const bool between = expected < options_.clearance;  // it fits between the fingers
-      return {between, between ? "lower than where this hand is stopped"
-                               : "found nothing where the object was put"};
-    }
+    if (!probed.ok && expected < options_.clearance) return {true, "it fits between the fingers"};
+    if (!probed.ok) return {false, "found nothing where the object was put"};
     const double off = state.height - expected;
     return {std::abs(off) < kWrongHeight,
             fmt::format("stopped {:+.1f} mm from where the object should stop it", 1e3 * off)};
@@ -385,9 +384,7 @@ void Placement::execute() {
   result_.status = PlaceStatus::placed;
   if (!options_.verify) return;
   state_.place = result_.T_world_placed->translation().head<2>();
-  HeightProbeOptions verify_options = task_.pick.height_probe;
-  verify_options.search = 0;
-  if (sequence_.run(VerifyPhase(verify_options, object_, *result_.T_world_placed))) return;
+  if (sequence_.run(VerifyPhase(task_.pick, object_, *result_.T_world_placed))) return;
   if (!out_of_reach()) fail(PlaceStatus::missing);  // else the phase's outcome says why
 }
 
