@@ -99,15 +99,11 @@ std::string Executor::obstacle(const hand::MountPosition& target) const {
     return fmt::format("the mount would be {:.3f} m from the origin, {:.3f} m are allowed", reach,
                        workspace);
   }
-  std::vector<hand::MountPosition> way;
-  for (int i = 1; i <= kCheckedSteps; ++i) {
-    way.push_back(between(command_.mount, target, static_cast<double>(i) / kCheckedSteps));
-  }
-  return check_path(std::move(way)).obstacle;
+  return obstacle_along({target});
 }
 
-/// Whether the mount can be brought along straight lines from where it is commanded to be.
-bool Executor::is_feasible(const std::vector<hand::MountPosition>& corners) const {
+/// Why the mount cannot be brought along straight lines from where it is commanded to be.
+std::string Executor::obstacle_along(const std::vector<hand::MountPosition>& corners) const {
   std::vector<hand::MountPosition> way;
   hand::MountPosition from = command_.mount;
   for (const hand::MountPosition& corner : corners) {
@@ -116,7 +112,7 @@ bool Executor::is_feasible(const std::vector<hand::MountPosition>& corners) cons
     }
     from = corner;
   }
-  return check_path(std::move(way)).obstacle.empty();
+  return check_path(std::move(way)).obstacle;
 }
 
 /// Where the straight way is obstructed: the turn is made at the higher end, before or after the
@@ -124,10 +120,10 @@ bool Executor::is_feasible(const std::vector<hand::MountPosition>& corners) cons
 std::optional<hand::MountPosition> Executor::corner_before(
     const hand::MountPosition& target) const {
   const hand::MountPosition& here = command_.mount;
-  if (is_feasible({target})) return std::nullopt;
+  if (obstacle_along({target}).empty()) return std::nullopt;
   const hand::MountPosition turned{here.xyz, target.ypr}, moved{target.xyz, here.ypr};
-  if (here.xyz.z() >= target.xyz.z() && is_feasible({turned, target})) return turned;
-  if (target.xyz.z() >= here.xyz.z() && is_feasible({moved, target})) return moved;
+  if (here.xyz.z() >= target.xyz.z() && obstacle_along({turned, target}).empty()) return turned;
+  if (target.xyz.z() >= here.xyz.z() && obstacle_along({moved, target}).empty()) return moved;
   return std::nullopt;
 }
 

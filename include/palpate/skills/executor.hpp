@@ -174,7 +174,7 @@ class Executor {
   Value ask_hand(const std::function<Value()>& ask) const;
   [[nodiscard]] hand::PathFeasibility check_path(std::vector<hand::MountPosition> way) const;
   [[nodiscard]] hand::MountLimits mount_limits() const;
-  [[nodiscard]] bool is_feasible(const std::vector<hand::MountPosition>& corners) const;
+  [[nodiscard]] std::string obstacle_along(const std::vector<hand::MountPosition>& corners) const;
   [[nodiscard]] std::optional<hand::MountPosition> corner_before(
       const hand::MountPosition& target) const;
   MotionEnd move_straight(const hand::MountPosition& target, double speed,

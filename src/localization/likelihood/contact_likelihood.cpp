@@ -22,10 +22,11 @@ Fours fours_of(const NoiseArray& levels) {
 /// e^x, within 2 units in the last place from e^-86.5 on, and that below; for x up to 80. After
 /// Cephes, as Eigen's, whose bits it has.
 Floats4 exp_of(Floats4 x) {
-  constexpr float kLeast = -86.5F, kMost = 80;  // powers of two that are normal numbers
+  constexpr float kMinExponent = -86.5F,
+                  kMaxExponent = 80;  // powers of two that are normal numbers
   constexpr int kExponentBit = 23;
-  x = x > kLeast ? x : Floats4{} + kLeast;
-  x = x < kMost ? x : Floats4{} + kMost;
+  x = x > kMinExponent ? x : Floats4{} + kMinExponent;
+  x = x < kMaxExponent ? x : Floats4{} + kMaxExponent;
   const Floats4 scaled = x * 1.44269504088896341F + 0.5F;
   Ints4 power = __builtin_convertvector(scaled, Ints4);
   power += Ints4(__builtin_convertvector(power, Floats4) > scaled);  // rounded down
