@@ -165,7 +165,19 @@ std::string objects_text(const evaluation::Trial& trial, const std::vector<std::
   return fmt::format("{}; another one {:.2f}\n", text, objects.other);
 }
 
-std::string outcome_text(const evaluation::Trial& trial, const std::vector<std::string>& names) {
+namespace {
+
+/// The faults in spite of which the pick went on, one a line.
+std::string survived_text(const skills::PickResult& result) {
+  std::string text;
+  for (const skills::FaultReport& report : result.survived) {
+    text += fmt::format("went on after {:.2f} s in spite of {}: {}\n", report.time,
+                        to_string(report.fault), report.detail);
+  }
+  return text;
+}
+
+std::string end_text(const evaluation::Trial& trial, const std::vector<std::string>& names) {
   const skills::FaultReport& fault = trial.result.fault;
   if (fault) {
     return fmt::format("stopped after {:.2f} s: {}: {}", fault.time, to_string(fault.fault),
@@ -179,6 +191,12 @@ std::string outcome_text(const evaluation::Trial& trial, const std::vector<std::
   }
   if (!trial.result.held) return "gave up: " + trial.result.failed_phase + " failed";
   return objects_text(trial, names) + estimate_text(trial);
+}
+
+}  // namespace
+
+std::string outcome_text(const evaluation::Trial& trial, const std::vector<std::string>& names) {
+  return survived_text(trial.result) + end_text(trial, names);
 }
 
 nlohmann::json trial_json(const evaluation::Trial& trial, const std::vector<std::string>& names) {

@@ -35,6 +35,16 @@ class Fault(CliTest):
         hint = json.loads(self.run_program("replay", "run", "--json").stdout)["hint"]
         self.assertIn(f"ends in phase {report['phases'][-1]['name']} (", hint)
 
+    def test_a_fault_in_spite_of_which_it_goes_on_is_named_too(self):
+        quick = [*QUICK[2:], "--set", "expert.fault.kind=fingers_swapped", "--set", "attempts=1"]
+        done = self.run_program("pick", "--object", "box", "--seed", "3", "--no-belief", "--out", "run", *quick)
+        report = json.loads((self.folder / "run" / "report.json").read_text())
+        self.assertTrue(report["faults"])
+        for fault in report["faults"]:
+            self.assertFalse(fault["stopped"])
+            self.assertIn(f"went on after {fault['time']:.2f} s in spite of {fault['name']}: {fault['detail']}\n",
+                          done.stdout)  # fmt: skip
+
 
 class Units(CliTest):
     def test_a_mesh_in_millimetres(self):
