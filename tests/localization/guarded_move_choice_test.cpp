@@ -138,6 +138,20 @@ TEST(ClearWay, IsAllOfAWayThatMeetsNothing) {
   EXPECT_NEAR(clear_way({{&box(), posterior}}, kBall, kAlongX), 0.4, 1e-9);
 }
 
+TEST(UsefulWay, EndsWhereTheFarthestCrediblePoseIsTouched) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at({0.02, 0, 0}, 0.6), mode_at({0, 0, 0}, 0.3),
+                     mode_at({0, 0.3, 0}, 0.1)};
+  EXPECT_NEAR(useful_way({{&box(), posterior}}, kBall, kAlongX), way_to_box(), 0.004)
+      << "a pose that is missed in any case makes it no longer";
+}
+
+TEST(UsefulWay, IsAllOfAWayThatMeetsNothing) {
+  localization::Posterior posterior;
+  posterior.modes = {mode_at({0, 0.3, 0}, 1)};
+  EXPECT_NEAR(useful_way({{&box(), posterior}}, kBall, kAlongX), 0.4, 1e-9);
+}
+
 ProbingFinger turned_ball(double yaw) {
   ProbingFinger finger = kBall;
   finger.R_world_mount = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();

@@ -271,9 +271,9 @@ TEST(ExplorePhase, MakesUpForNoMissWhereMoreTouchesMayFollow) {
 }
 
 TEST(ExplorePhase, DistinguishesPosesByGuardedMovesNotMadeYet) {
-  // The first touches leave the box's yaw open; then something else is always in the way.
-  Exploring exploring([](std::size_t sweep) { return sweep < 2; });
-  exploring.blocks = [](std::size_t sweep) { return sweep >= 2; };
+  // The first touch leaves the box's yaw open; then something else is always in the way.
+  Exploring exploring([](std::size_t sweep) { return sweep < 1; });
+  exploring.blocks = [](std::size_t sweep) { return sweep >= 1; };
   exploring.options.touches = 2;
   exploring.options.max_touches = 10;
   exploring.explore();

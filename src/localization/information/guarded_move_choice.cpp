@@ -208,6 +208,16 @@ double clear_way(const std::vector<PosedObject>& objects, const ProbingFinger& f
   return clear;
 }
 
+double useful_way(const std::vector<PosedObject>& objects, const ProbingFinger& finger,
+                  const GuardedMove& guarded_move) {
+  double farthest = 0;
+  for (const auto& pose : weighted_objects(objects)) {
+    const auto end = outcome(*pose.object, pose.T_object_world, finger, guarded_move);
+    if (end.ending != Ending::nothing) farthest = std::max(farthest, end.way);
+  }
+  return farthest > 0 ? farthest : (guarded_move.to - guarded_move.from).norm();
+}
+
 std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& object,
                                                const Eigen::Isometry3d& T_world_object,
                                                const std::vector<ProbingFinger>& fingers,

@@ -36,6 +36,7 @@ constexpr double kBackOff = 0.015;    // m
 constexpr double kEarlier = 0.015;    // m before the expected touch, from where a move is slow
 constexpr double kOverTop = 0.005;    // m over the object, from where coming down is slower
 constexpr double kRunUp = 0.02;       // m of a guarded move before that, which is fast
+constexpr double kPast = 0.03;        // m behind the last place where a touch is expected
 constexpr double kSettle = 0.08;      // s of standing still before a guarded move
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
 constexpr double kMinTime = 180;        // s, of the whole phase
@@ -65,16 +66,6 @@ std::vector<int> every_other_first(int count) {
 /// Whether one pose is left, and not a family of them.
 bool settled(const localization::Posterior& posterior, double certain) {
   return localization::best_probability(posterior) > certain;
-}
-
-std::vector<localization::PosedObject> possible_objects(
-    const estimation::PoseEstimator& estimator) {
-  std::vector<localization::PosedObject> objects;
-  auto posteriors = estimator.posteriors();
-  for (std::size_t i = 0; i < posteriors.size(); ++i) {
-    objects.push_back({estimator.candidates()[i], std::move(posteriors[i])});
-  }
-  return objects;
 }
 
 /// How to probe: with the first finger that can point and whose fingertip can be believed.
@@ -140,11 +131,12 @@ void ExplorePhase::estimate(Executor& robot, PickState& state) {
   robot.show(*state.resting);
 }
 
-/// Level guarded moves from all sides, half of them with the hand turned round.
+/// Level guarded moves from all sides, half of them with the hand turned round. Each is aimed, and
+/// shortened, by what the touches before it have shown.
 int ExplorePhase::touch_around(Executor& robot, PickState& state) {
   int touches = 0;
   for (const int i : every_other_first(options_.touches)) {
-    if (i == 1 && touches > 0) estimate(robot, state);
+    if (touches > 0) estimate(robot, state);
     const double angle = 2 * std::numbers::pi * i / options_.touches;
     touches += touch_from(robot, state, angle, i % 2 == 0 ? 0 : 1) == GuardedMoveEnd::touched;
   }
@@ -191,8 +183,9 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::touch_from(Executor& robot, const Pic
   const double before = raised_;
   while (true) {
     const double depth = first_depth(state, options_) + raised_;
-    const auto end =
-        guarded_move(robot, state, {level_guarded_move(state, options_, angle, 0, depth), turn});
+    const Eigen::Vector2d middle = middle_of(state, estimator_.object().object());
+    const auto move = level_guarded_move(middle, options_, angle, 0, depth);
+    const auto end = guarded_move(robot, state, {move, turn});
     if (end == GuardedMoveEnd::missed) raised_ = std::max(0.0, before - kHigher);
     if (end != GuardedMoveEnd::blocked) return end;
     if (raised_ + kHigher > kHighest + 1e-9) {
@@ -280,12 +273,15 @@ double ExplorePhase::clear_way(const Executor& robot, const PickState& state,
   return down && clear > 0 ? length : clear;
 }
 
-/// Without most of the way along which it can meet none of the credible poses.
+/// Without most of the ways, before and behind, along which it can meet none of the credible poses.
 localization::GuardedMove ExplorePhase::shortened(const Executor& robot, const PickState& state,
                                                   const localization::TurnedMove& turned) const {
   localization::GuardedMove move = turned.guarded_move;
   const Eigen::Vector3d way = move.to - move.from;
   if (!state.resting || state.resting->modes.empty() || way.z() != 0) return move;
+  const auto finger = probing_finger(robot, pointing(robot), yaw(turned.turn));
+  const double useful = localization::useful_way(possible_objects(estimator_), finger, move);
+  if (useful + kPast < way.norm()) move.to = move.from + (useful + kPast) * way.normalized();
   const double clear = clear_way(robot, state, turned) - kRunUp;
   if (clear > 0 && clear < way.norm() - kRunUp - kEarlier) move.from += clear * way.normalized();
   return move;

@@ -2,6 +2,7 @@
 #include "skills/explore/extents.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace palpate::skills {
 namespace {
@@ -62,6 +63,16 @@ double likely_reach(const estimation::Candidates& candidates, double measured) {
     reach = std::max(reach, reach_of(candidate->object(), measured));
   }
   return reach;
+}
+
+std::vector<localization::PosedObject> possible_objects(
+    const estimation::PoseEstimator& estimator) {
+  std::vector<localization::PosedObject> objects;
+  auto posteriors = estimator.posteriors();
+  for (std::size_t i = 0; i < posteriors.size(); ++i) {
+    objects.push_back({estimator.candidates()[i], std::move(posteriors[i])});
+  }
+  return objects;
 }
 
 double highest_of(const std::vector<localization::PosedObject>& objects) {

@@ -21,6 +21,9 @@ double likely_top(const estimation::Candidates& candidates, double measured);
 /// tall as was measured or taller; in all of them where none is.
 double likely_reach(const estimation::Candidates& candidates, double measured);
 
+/// All candidates at their poses by the last estimate.
+std::vector<localization::PosedObject> possible_objects(const estimation::PoseEstimator& estimator);
+
 /// m above the table of the highest point of objects at any of their poses.
 double highest_of(const std::vector<localization::PosedObject>& objects);
 

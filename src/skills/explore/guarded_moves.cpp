@@ -31,11 +31,18 @@ double speed_of_touch(const estimation::Candidates& candidates, const ExploreOpt
   return options.touch_speed * std::clamp(mass / kLight, 1.0, kFaster);
 }
 
-localization::GuardedMove level_guarded_move(const PickState& state, const ExploreOptions& options,
-                                             double angle, double offset, double depth) {
+Eigen::Vector2d middle_of(const PickState& state, const geometry::KnownObject& object) {
+  if (!state.resting || state.resting->modes.empty()) return state.place;
+  const Eigen::Isometry3d& T_world_object = state.resting->modes.front().T_frame_object;
+  return (T_world_object * object.mass_properties.centroid).head<2>();
+}
+
+localization::GuardedMove level_guarded_move(const Eigen::Vector2d& place,
+                                             const ExploreOptions& options, double angle,
+                                             double offset, double depth) {
   const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
-  const Eigen::Vector3d middle = Eigen::Vector3d(state.place.x(), state.place.y(), depth) +
-                                 offset * Eigen::Vector3d::UnitZ().cross(out);
+  const Eigen::Vector3d middle =
+      Eigen::Vector3d(place.x(), place.y(), depth) + offset * Eigen::Vector3d::UnitZ().cross(out);
   return {middle + options.radius * out, middle - options.past * out};
 }
 
@@ -43,7 +50,7 @@ void add_level_guarded_moves(const PickState& state, const ExploreOptions& optio
                              std::vector<localization::GuardedMove>& guarded_moves) {
   for (int i = 0; i < kDirections; ++i) {
     for (int side = -kOffsets; side <= kOffsets; ++side) {
-      guarded_moves.push_back(level_guarded_move(state, options,
+      guarded_moves.push_back(level_guarded_move(state.place, options,
                                                  2 * std::numbers::pi * i / kDirections,
                                                  kSpacing * side, std::max(kMinDepth, depth)));
     }

@@ -14,9 +14,14 @@ double speed_of_touch(const estimation::Candidates& candidates, const ExploreOpt
 /// m above the table of the fingertip's centre in the first guarded moves.
 double first_depth(const PickState& state, const ExploreOptions& options);
 
-/// Level towards the object's place from an angle, passing it to the left by an offset.
-localization::GuardedMove level_guarded_move(const PickState& state, const ExploreOptions& options,
-                                             double angle, double offset, double depth);
+/// Where the object's middle is on the table: by the best pose, or, before there is any, where it
+/// was put.
+Eigen::Vector2d middle_of(const PickState& state, const geometry::KnownObject& object);
+
+/// Level towards a place from an angle, passing it to the left by an offset.
+localization::GuardedMove level_guarded_move(const Eigen::Vector2d& place,
+                                             const ExploreOptions& options, double angle,
+                                             double offset, double depth);
 
 /// Level guarded moves from all sides, and past the object's place on both of them.
 void add_level_guarded_moves(const PickState& state, const ExploreOptions& options, double depth,

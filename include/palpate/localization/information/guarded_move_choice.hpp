@@ -53,6 +53,11 @@ std::optional<InformativeMove> most_informative_move(const std::vector<PosedObje
 double clear_way(const std::vector<PosedObject>& objects, const ProbingFinger& finger,
                  const GuardedMove& guarded_move, double neglected = 0.05);
 
+/// How far a guarded move goes, m, until it has met the object at every credible pose at which it
+/// meets it; its whole length where it would meet none. Whoever goes on learns nothing.
+double useful_way(const std::vector<PosedObject>& objects, const ProbingFinger& finger,
+                  const GuardedMove& guarded_move);
+
 /// A guarded move with the hand turned in one of several ways.
 struct TurnedMove {
   GuardedMove guarded_move;
