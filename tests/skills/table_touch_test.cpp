@@ -9,6 +9,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/core/se3.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
+#include "skills/probe/touch_table_phase.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -59,6 +60,23 @@ TEST(TableTouchChoice, ExpectsLittleOfAPoseThatIsKnown) {
   const auto touch = box.choice().next();
   ASSERT_TRUE(touch);
   EXPECT_LT(touch->expected_gain.information, 0.02);
+}
+
+TEST(TableTouchChoice, ItsTightShareIsThatOfThePosterior) {
+  EXPECT_NEAR(HangingBox(0.002).choice().tight_share(), 1, 1e-9);
+  // Of a normal distribution of turns with this deviation, about one axis alone.
+  EXPECT_NEAR(HangingBox(0.05).choice().tight_share(),
+              std::erf(2.5 * kDegree / 0.05 / std::sqrt(2)), 0.1);
+}
+
+TEST(TableTouchChoice, ATouchAsExpectedMakesThePoseTighter) {
+  HangingBox box(0.05);
+  TableTouchChoice choice = box.choice();
+  const double before = choice.tight_share();
+  const auto touch = choice.next();
+  ASSERT_TRUE(touch);
+  choice.made(*touch, touch->lowest);
+  EXPECT_GT(choice.tight_share(), before + 0.1);
 }
 
 /// What a second touch of as long a lever measures where a first one measured that: of two normal
@@ -137,6 +155,19 @@ struct Lowering {
   Executor robot{hand, hand::shadow_hand(), start()};
   TableTouchChoice choice{robot, box.object, box.posterior, RandomStream(1, "touch table")};
 };
+
+TEST(TouchTablePhase, LeavesTheTableAloneWhereThePoseIsTight) {
+  HangingBox box(0.002);
+  estimation::PoseEstimator estimator(box.object, {}, 1);
+  PickState state;
+  state.estimate.posterior = box.posterior;
+  TouchTablePhase phase(estimator, {}, 0.5);
+  const double begun = box.robot.time();
+  const PhaseReport report = run_phase(phase, box.robot, state);
+  EXPECT_EQ(report.status, PhaseStatus::ok);
+  EXPECT_EQ(report.outcome, "tight enough (1.00)");
+  EXPECT_EQ(box.robot.time(), begun);
+}
 
 TEST(TouchTable, GoesDownUntilTheTableBearsAndUpAgain) {
   constexpr double kBelow = 0.26;

@@ -30,6 +30,7 @@ constexpr double kDownSpeed = 0.1;        // m/s
 constexpr double kClearance = 0.02;       // m of the object over the table while it turns
 constexpr double kGuardedSpeed = 0.005;  // m/s: the stiff grip presses 2 N/mm, and turns the object
 constexpr double kBorne = 0.25;          // N that the table bears
+constexpr localization::PoseTolerance kTight{2.5 * kDegree, 0.0035};
 constexpr double kKnocked = 1.5;         // N by which a fast motion has met something
 constexpr double kSetOutSeconds = 0.15;  // s of a motion in which the load is that of setting out
 
@@ -70,7 +71,8 @@ TableTouchChoice::TableTouchChoice(const Executor& robot, const geometry::Object
                                    const localization::Posterior& held, RandomStream random)
     : object_(object),
       mount_(robot.reading().mount.pose()),
-      centroid_(held.modes.front().T_frame_object * object.object().mass_properties.centroid),
+      best_(held.modes.front().T_frame_object),
+      centroid_(best_ * object.object().mass_properties.centroid),
       poses_(localization::draw_poses(held, kDraws, random)),
       weights_(poses_.size(), 1.0 / static_cast<double>(poses_.size())) {
   const auto T_mount_link = hand::forward_kinematics(robot.model(), robot.reading().joints);
@@ -139,6 +141,15 @@ std::optional<TableTouch> TableTouchChoice::next() const {
     best = touch;
   }
   return best;
+}
+
+double TableTouchChoice::tight_share() const {
+  double share = 0;
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    const auto error = localization::pose_error(poses_[i], best_, object_.object().symmetries);
+    share += localization::within(error, kTight) ? weights_[i] : 0;
+  }
+  return share;
 }
 
 void TableTouchChoice::made(const TableTouch& touch, std::optional<double> lowest) {

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kBackSpeed = 0.1;       // m/s
 constexpr double kOneTouchSeconds = 12;  // s that a touch takes at most, and the way back
+constexpr double kTightEnough = 0.75;    // of the posterior: each touch may turn the object
 constexpr double kStillHangs = 0.5;      // of the object's weight, that must still hang
 
 }  // namespace
@@ -29,13 +30,18 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
                           RandomStream(estimator_.seed(), "touch table"));
   int tries = 0, touches = 0;
   for (; tries < options_.table_touches && robot.time() < last_start; ++tries) {
+    if (choice.tight_share() > kTightEnough) break;
     const auto touch = choice.next();
     if (!touch || touch->expected_gain.rate() < options_.min_gain_rate) break;
     const auto lowest = touch_table(robot, choice, *touch, kStillHangs * weight);
     choice.made(*touch, lowest);
     touches += lowest.has_value();
   }
-  if (tries == 0) return {true, "would add no information"};
+  if (tries == 0) {
+    const double tight = choice.tight_share();
+    return {true, tight > kTightEnough ? fmt::format("tight enough ({:.2f})", tight)
+                                       : "would add no information"};
+  }
   robot.move_mount(start, kBackSpeed);
   robot.wait(std::max(hold_, kSettleSeconds));
   if (estimation::mean_load(robot.log()) < kStillHangs * weight) {
