@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "grasping/preshape_search.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <numbers>
-#include <sstream>
 #include <string>
-#include <string_view>
 
+#include "grasping/hand_posture.hpp"
 #include "palpate/core/cache.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/random.hpp"
@@ -35,17 +31,6 @@ constexpr double kGivesWay = 0.1;      // cost from which a grasp may give way i
 constexpr double kMissing = 0.25;      // cost of a finger whose tip does not meet the object
 constexpr double kClaw = 0.5;          // of the way to closed that a claw's fingers bend back
 constexpr double kFullWay = 2.0;       // rad that an actuator of speed 1 closes in the time of all
-
-/// What is searched for.
-struct HandPosture {
-  /// Shares of the way to closed at which fingers and thumb are open: first joints, outer joints.
-  std::array<double, 2> fingers{}, thumb{};
-  double curl = 1;  ///< speed of the outer joints, relative to their ranges
-  hand::ActuatorVector
-      opposition;  ///< shares of their ranges at which the thumb's first joints stand
-  hand::Attitude attitude;
-  double cost = std::numeric_limits<double>::infinity();
-};
 
 /// Whether a closing actuator is not its finger's first.
 bool is_outer(const hand::Description& hand, int actuator) {
@@ -184,6 +169,9 @@ double widest_share(const hand::Description& hand) {
   return -kClaw;
 }
 
+/// Of those that are searched in their own way, for the fingerprint.
+std::string kind_of(const hand::Description& hand) { return widest_share(hand) < 0 ? " claw" : ""; }
+
 HandPosture draw(const hand::Description& hand, RandomStream& random) {
   HandPosture tried;
   const double widest = widest_share(hand);
@@ -230,78 +218,6 @@ hand::Preshape preshape_of(const hand::Description& hand, const HandPosture& bes
     preshape.attitudes.push_back({best.attitude.pitch, best.attitude.roll + roll});
   }
   return preshape;
-}
-
-/// All numbers of a hand that the search depends on, as text.
-std::string fingerprint(const hand::Description& hand) {
-  std::string text = "preshape 6";
-  const auto add = [&](double value) { text += fmt::format(" {:a}", value); };
-  for (const hand::Link& link : hand.links) {
-    for (const double value : link.T_parent_link.matrix().reshaped()) add(value);
-    for (const double value : link.axis) add(value);
-    text += fmt::format(" {} {}", link.parent, link.joint);
-  }
-  for (const hand::Actuator& one : hand.actuators) {
-    for (const double value : {one.command.low, one.command.high, one.closing, one.lever})
-      add(value);
-    for (const auto& driven : one.joints) {
-      text += fmt::format(" {} {:a} {:a}", driven.joint, driven.share, driven.offset);
-    }
-    text += fmt::format(" {}", one.finger);
-  }
-  for (const hand::Finger& finger : hand.fingers) {
-    for (const double value : finger.tip.a) add(value);
-    for (const double value : finger.tip.b) add(value);
-    add(finger.tip.radius);
-    if (finger.hull) {
-      for (const Eigen::Vector3d& p : finger.hull->core) {
-        for (const double value : p) add(value);
-      }
-      add(finger.hull->radius);
-    }
-    text += fmt::format(" {}", finger.link);
-  }
-  for (const hand::LinkSphere& sphere : hand.spheres) {
-    for (const double value : sphere.center) add(value);
-    add(sphere.radius);
-    text += fmt::format(" {}", sphere.link);
-  }
-  if (widest_share(hand) < 0) text += " claw";
-  return text + fmt::format(" {} {}", hand.thumb, hand.palm);
-}
-
-/// What the search has found, as kept in the cache.
-std::string to_bytes(const HandPosture& best, const hand::Attitude& other) {
-  std::string text =
-      fmt::format("{:a} {:a} {:a} {:a} {:a} {:a} {:a} {:a} {:a}", best.attitude.pitch,
-                  best.attitude.roll, other.pitch, other.roll, best.fingers[0], best.fingers[1],
-                  best.thumb[0], best.thumb[1], best.curl);
-  for (const double value : best.opposition) text += fmt::format(" {:a}", value);
-  return text;
-}
-
-/// Of to_bytes, whatever the locale of the program.
-double hexadecimal(std::string_view word) {
-  const bool negative = word.starts_with('-');
-  word.remove_prefix(std::min<std::size_t>(word.size(), negative ? 3 : 2));  // the sign, and 0x
-  double value = 0;
-  std::from_chars(word.data(), word.data() + word.size(), value, std::chars_format::hex);
-  return negative ? -value : value;
-}
-
-bool from_bytes(const std::string& bytes, int actuators, HandPosture& best, hand::Attitude& other) {
-  constexpr std::size_t kOwn = 9;
-  std::istringstream text(bytes);
-  std::vector<double> values;
-  for (std::string word; text >> word;) values.push_back(hexadecimal(word));
-  if (values.size() != static_cast<std::size_t>(actuators) + kOwn) return false;
-  best.attitude = {values[0], values[1]};
-  other = {values[2], values[3]};
-  best.fingers = {values[4], values[5]};
-  best.thumb = {values[6], values[7]};
-  best.curl = values[8];
-  best.opposition = hand::ActuatorVector::Map(values.data() + kOwn, actuators);
-  return true;
 }
 
 /// The hand with the large balls of each link only: the small ones in corners cost the search most
@@ -370,7 +286,7 @@ double bent(const hand::Actuator& actuator, double share) {
 }
 
 hand::Preshape find_preshape(hand::Description& hand, const ProgressCallback& progress) {
-  const std::string key = fingerprint(hand);
+  const std::string key = fingerprint(hand, kind_of(hand));
   HandPosture best;
   hand::Attitude other;
   const auto known = read_cache(key);
