@@ -30,7 +30,8 @@ constexpr double kNoGrasp = 2.0;       // cost of an object that cannot be grasp
 constexpr double kGivesWay = 0.1;      // cost from which a grasp may give way in the lift
 constexpr double kMissing = 0.25;      // cost of a finger whose tip does not meet the object
 constexpr double kClaw = 0.5;          // of the way to closed that a claw's fingers bend back
-constexpr double kFullWay = 2.0;       // rad that an actuator of speed 1 closes in the time of all
+constexpr double kRadial = 1.05;  // rad between the ways on which a radial hand's fingers close
+constexpr double kFullWay = 2.0;  // rad that an actuator of speed 1 closes in the time of all
 
 /// Whether a closing actuator is not its finger's first.
 bool is_outer(const hand::Description& hand, int actuator) {
@@ -106,12 +107,18 @@ geometry::TriangleMesh cylinder(double radius, double height) {
 class Trials {
  public:
   /// Of household size.
-  static Trials usual() {
+  /// @param lying  with a bottle that lies
+  static Trials usual(bool lying) {
     Trials trials;
     trials.add("cylinder", cylinder(0.030, 0.11), {0, 0, 0.055});
     trials.add("can", cylinder(0.040, 0.09), {0, 0, 0.045});
     trials.add("box", geometry::box_mesh({0.05, 0.05, 0.09}), {0, 0, 0.045});
     trials.add("flat box", geometry::box_mesh({0.11, 0.05, 0.05}), {0, 0, 0.025});
+    if (lying) {
+      trials.add("lying bottle", cylinder(0.033, 0.17), {0, 0, 0.033});
+      trials.objects_.back().second.linear() =
+          Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    }
     return trials;
   }
 
@@ -154,6 +161,35 @@ class Trials {
   std::vector<std::pair<geometry::ObjectModel, Eigen::Isometry3d>> objects_;
 };
 
+/// How a fingertip moves as the straight hand begins to close, unit vector in the mount's axes.
+Eigen::Vector3d closing_direction(const hand::Description& hand, std::size_t finger) {
+  const auto tip_at = [&](double share) -> Eigen::Vector3d {
+    hand::ActuatorVector commands(hand.actuator_count());
+    for (int i = 0; i < hand.actuator_count(); ++i) {
+      const auto& actuator = hand.actuators[static_cast<std::size_t>(i)];
+      commands[i] =
+          actuator.closing == 0 ? hand::straight_command(actuator) : bent(actuator, share);
+    }
+    const auto T_mount_link =
+        hand::forward_kinematics(hand, hand::joints_in_free_flexion(hand, commands));
+    const auto& tip = hand.fingers[finger];
+    return T_mount_link[static_cast<std::size_t>(tip.link)] * tip.tip.b;
+  };
+  return (tip_at(0.3) - tip_at(0)).normalized();
+}
+
+/// Whether the fingers stand round the palm, each closing its own way, and not side by side: most
+/// postures in which they hold what is short let what is long and lies tip out between them.
+bool is_radial(const hand::Description& hand) {
+  std::vector<Eigen::Vector3d> directions;
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    if (finger == hand.thumb || hand::closing_actuators(hand, finger).empty()) continue;
+    directions.push_back(closing_direction(hand, static_cast<std::size_t>(finger)));
+    if (directions.back().dot(directions.front()) < std::cos(kRadial)) return true;
+  }
+  return false;
+}
+
 /// Share of the way to closed at which the hand is opened widest: 0, straight, or less where all
 /// fingers can bend back far, as those of a claw.
 double widest_share(const hand::Description& hand) {
@@ -170,7 +206,9 @@ double widest_share(const hand::Description& hand) {
 }
 
 /// Of those that are searched in their own way, for the fingerprint.
-std::string kind_of(const hand::Description& hand) { return widest_share(hand) < 0 ? " claw" : ""; }
+std::string kind_of(const hand::Description& hand) {
+  return std::string(widest_share(hand) < 0 ? " claw" : "") + (is_radial(hand) ? " radial" : "");
+}
 
 HandPosture draw(const hand::Description& hand, RandomStream& random) {
   HandPosture tried;
@@ -255,7 +293,7 @@ HandPosture search(const hand::Description& hand, const Cost& cost,
 void search_preshape(const hand::Description& detailed, const ProgressCallback& progress,
                      HandPosture& best, hand::Attitude& other) {
   const hand::Description hand = coarse(detailed);
-  const Trials trials = Trials::usual(), wide = Trials::wide();
+  const Trials trials = Trials::usual(is_radial(detailed)), wide = Trials::wide();
   const auto usual = [&](const auto& tried) { return trials.cost(hand, tried); };
   best = search(hand, usual, progress);
   if (best.cost > 3.5 * kNoGrasp) {

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/grasping/derive_postures.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "palpate/core/gravity.hpp"
+#include "palpate/grasping/grasp_plan.hpp"
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/self_clearance.hpp"
 #include "palpate/simulation/hand/describe_hand.hpp"
@@ -118,6 +122,56 @@ TEST(DerivePostures, AForearmIsClearOfTheFlatHandsUnderside) {
   }
   ASSERT_TRUE(std::isfinite(forearm));
   EXPECT_GT(forearm, other + 0.025);
+}
+
+/// Three fingers round a palm, each of which turns, and closes towards its middle.
+std::string radial_hand() {
+  std::string fingers, actuators;
+  for (int i = 0; i < 3; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 3;
+    fingers += fmt::format(
+        R"(<body name="f{0}" pos="{1} {2} 0.02" euler="0 0 {3}">
+             <joint name="f{0}_turn" axis="0 0 1" range="-0.5 0.5"/>
+             <geom type="capsule" size="0.01" fromto="0 0 0 0 0 0.02"/>
+             <body pos="0 0 0.025"><joint name="f{0}_near" axis="0 -1 0" range="-1.5 1.5"/>
+               <geom type="capsule" size="0.01" fromto="0 0 0 0 0 0.06"/>
+               <body pos="0 0 0.065"><joint name="f{0}_far" axis="0 -1 0" range="-1.5 1.5"/>
+                 <geom type="capsule" size="0.012" fromto="0 0 0 0 0 0.05"/></body></body></body>)",
+        i, 0.05 * std::cos(angle), 0.05 * std::sin(angle), angle);
+    for (const char* joint : {"turn", "near", "far"}) {
+      actuators += fmt::format(R"(<position joint="f{}_{}" kp="4"/>)", i, joint);
+    }
+  }
+  return fmt::format(
+      R"(<mujoco><compiler angle="radian" autolimits="true"/>
+         <default><position inheritrange="1" forcerange="-2 2"/></default>
+         <worldbody><body name="palm"><geom type="cylinder" size="0.05 0.02"/>{}</body></worldbody>
+         <actuator>{}</actuator></mujoco>)",
+      fingers, actuators);
+}
+
+/// Cost of the best grasp of an object that stands or lies over the origin.
+double best_cost(const hand::Description& hand, const geometry::ObjectModel& object,
+                 const Eigen::Isometry3d& T_world_object) {
+  const hand::Preshape& preshape = hand.postures.top;
+  const auto path = closing_trajectory(hand, preshape.open, ClosingLaw(hand, 1, preshape.closed));
+  GraspPlanOptions options;
+  options.press = 4.5 * kGravity * object.object().mass;  // as a pick does
+  const auto plan = plan_grasp(object, T_world_object, path, preshape.attitudes.front(), options);
+  return plan ? plan->cost : std::numeric_limits<double>::infinity();
+}
+
+TEST(DerivePostures, ARadialHandHoldsWhatIsLongAndLies) {
+  hand::Description hand =
+      simulation::describe_hand(simulation::write_hand("radial.xml", radial_hand())).hand;
+  derive_postures(hand);
+  const geometry::ObjectModel bottle(geometry::load_known_object("bottle"));
+  for (const geometry::StablePose& stable_pose : bottle.object().stable_poses) {
+    if (stable_pose.probability < 0.1) continue;
+    Eigen::Isometry3d T(stable_pose.R_table_object);
+    T.translation().z() = stable_pose.height;
+    EXPECT_LT(best_cost(hand, bottle, T), 0.05) << "stands or lies at " << stable_pose.height;
+  }
 }
 
 TEST(DerivePostures, WhatWasFoundIsKept) {
