@@ -20,6 +20,7 @@ TEST(Trial, TouchesTheTableAgainWithALightObject) {
   TrialOptions options = quick_options();
   options.pick.palpation.max = 0;
   options.pick.palpation.table_touches = 2;
+  options.pick.palpation.tight = 1;  // however well its pose is known
   const auto known = geometry::load_known_object("box");
   const geometry::ObjectModel box(geometry::make_known_object("light box", known.mesh, 0.05));
   const simulation::World world(box.object(), options.world, kSeed);

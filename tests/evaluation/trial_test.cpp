@@ -231,6 +231,7 @@ TEST(Trial, TouchesTheTableWithWhatItHolds) {
   TrialOptions options = quick_options();
   options.pick.palpation.max = 0;
   options.pick.palpation.table_touches = 3;
+  options.pick.palpation.tight = 1;  // however well its pose is known
   const auto box = model("box");
   const simulation::World world(box.object(), options.world, kSeed);
   recording::Writer writer(path, {"1.2.3", kSeed, box.object(), world.hand_model(), ""});

@@ -30,7 +30,7 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
                           RandomStream(estimator_.seed(), "touch table"));
   int tries = 0, touches = 0;
   for (; tries < options_.table_touches && robot.time() < last_start; ++tries) {
-    if (choice.tight_share() > kTightEnough) break;
+    if (choice.tight_share() > options_.tight) break;
     const auto touch = choice.next();
     if (!touch || touch->expected_gain.rate() < options_.min_gain_rate) break;
     const auto lowest = touch_table(robot, choice, *touch, kStillHangs * weight);
@@ -39,8 +39,8 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
   }
   if (tries == 0) {
     const double tight = choice.tight_share();
-    return {true, tight > kTightEnough ? fmt::format("tight enough ({:.2f})", tight)
-                                       : "would add no information"};
+    return {true, tight > options_.tight ? fmt::format("tight enough ({:.2f})", tight)
+                                         : "would add no information"};
   }
   robot.move_mount(start, kBackSpeed);
   robot.wait(std::max(hold_, kSettleSeconds));

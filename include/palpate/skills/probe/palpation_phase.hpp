@@ -15,6 +15,7 @@ struct PalpationOptions {
   /// by the table, once the object hangs.
   double doubtful = 0.5;
   double certain = 0.8;          ///< weight of a pose that needs none
+  double tight = 0.75;           ///< share of poses near the best one that needs no table
   double min_gain_rate = 0.025;  ///< nats/s of expected information, at least
   double opening = 0.5;       ///< of the proximal joint before a finger moves to another spot, rad
   double spread = 0.25;       ///< sideways, to either side, at most, rad
@@ -40,6 +41,10 @@ struct PalpationOptions {
              "probability of the best pose up to which the hand probes before the lift");
     v("certain", certain, 0.0, 1.0,
       "probability of the best pose above which no more probes are made");
+    v.expert(
+        "tight", tight, 0.0, 1.0,
+        "share of the credible poses within 2.5 deg and 3.5 mm of the best one above which the "
+        "table is not touched");
     v("min_gain_rate", min_gain_rate, 0.0, 10.0,
       "nats/s, least expected information gain of an action");
     v.expert("opening", opening, 0.1, 1.5,
