@@ -129,6 +129,8 @@ class Trials {
     return trials;
   }
 
+  double count() const { return static_cast<double>(objects_.size()); }
+
   double cost(const hand::Description& given, const HandPosture& tried) const {
     const hand::Description hand = closing_hand(given, tried);
     const auto open = open_hand(hand, tried);
@@ -182,10 +184,16 @@ Eigen::Vector3d closing_direction(const hand::Description& hand, std::size_t fin
 /// postures in which they hold what is short let what is long and lies tip out between them.
 bool is_radial(const hand::Description& hand) {
   std::vector<Eigen::Vector3d> directions;
+  const auto apart = [&](const Eigen::Vector3d& a) {
+    return std::any_of(directions.begin(), directions.end(),
+                       [&](const Eigen::Vector3d& b) { return a.dot(b) < std::cos(kRadial); });
+  };
   for (int finger = 0; finger < hand.finger_count(); ++finger) {
     if (finger == hand.thumb || hand::closing_actuators(hand, finger).empty()) continue;
-    directions.push_back(closing_direction(hand, static_cast<std::size_t>(finger)));
-    if (directions.back().dot(directions.front()) < std::cos(kRadial)) return true;
+    const Eigen::Vector3d direction = closing_direction(hand, static_cast<std::size_t>(finger));
+    if (direction.isZero()) continue;
+    if (apart(direction)) return true;
+    directions.push_back(direction);
   }
   return false;
 }
@@ -296,7 +304,7 @@ void search_preshape(const hand::Description& detailed, const ProgressCallback& 
   const Trials trials = Trials::usual(is_radial(detailed)), wide = Trials::wide();
   const auto usual = [&](const auto& tried) { return trials.cost(hand, tried); };
   best = search(hand, usual, progress);
-  if (best.cost > 3.5 * kNoGrasp) {
+  if (best.cost > (trials.count() - 0.5) * kNoGrasp) {
     throw BadInput("the hand holds nothing: no posture was found in which its fingers oppose");
   }
   if (const double narrow = wide.cost(hand, best); narrow > kGivesWay) {

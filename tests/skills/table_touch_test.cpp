@@ -63,7 +63,10 @@ TEST(TableTouchChoice, ExpectsLittleOfAPoseThatIsKnown) {
 }
 
 TEST(TableTouchChoice, ItsTightShareIsThatOfThePosterior) {
-  EXPECT_NEAR(HangingBox(0.002).choice().tight_share(), 1, 1e-9);
+  HangingBox known(0.002);
+  EXPECT_NEAR(known.choice().tight_share(), 1, 1e-9);
+  known.posterior.modes[0].weight = 0.5;
+  EXPECT_NEAR(known.choice().tight_share(), 0.5, 1e-9) << "it may be anywhere else";
   // Of a normal distribution of turns with this deviation, about one axis alone.
   EXPECT_NEAR(HangingBox(0.05).choice().tight_share(),
               std::erf(2.5 * kDegree / 0.05 / std::sqrt(2)), 0.1);
@@ -167,6 +170,17 @@ TEST(TouchTablePhase, LeavesTheTableAloneWhereThePoseIsTight) {
   EXPECT_EQ(report.status, PhaseStatus::ok);
   EXPECT_EQ(report.outcome, "tight enough (1.00)");
   EXPECT_EQ(box.robot.time(), begun);
+}
+
+TEST(TouchTablePhase, ATightShareOf1IsNeverEnough) {
+  HangingBox box(0.002);
+  estimation::PoseEstimator estimator(box.object, {}, 1);
+  PickState state;
+  state.estimate.posterior = box.posterior;
+  PalpationOptions options;
+  options.tight = 1;
+  TouchTablePhase phase(estimator, options, 0.5);
+  EXPECT_EQ(run_phase(phase, box.robot, state).outcome, "would add no information");
 }
 
 TEST(TouchTable, GoesDownUntilTheTableBearsAndUpAgain) {

@@ -13,6 +13,7 @@ namespace {
 constexpr double kStep = 0.003;           // m of a way between places that are looked at
 constexpr double kReportedApart = 0.010;  // m between ends that are distinguished
 constexpr double kMinWeight = 0.002;      // of a pose of one of several objects that is looked at
+constexpr double kNeglected = 0.05;       // of the posterior, that no pose which is looked at has
 constexpr double kGuard = 0.002;          // m that the rest of the finger is to stay away
 /// m by which the distance field may be off between its nodes, at most: their distance from the
 /// middle of a cell of 2 mm and the corrections by the gradients along three axes.
@@ -210,12 +211,14 @@ double clear_way(const std::vector<PosedObject>& objects, const ProbingFinger& f
 
 double useful_way(const std::vector<PosedObject>& objects, const ProbingFinger& finger,
                   const GuardedMove& guarded_move) {
-  double farthest = 0;
+  double farthest = 0, total = 0;
   for (const auto& pose : weighted_objects(objects)) {
     const auto end = outcome(*pose.object, pose.T_object_world, finger, guarded_move);
     if (end.ending != Ending::nothing) farthest = std::max(farthest, end.way);
+    total += pose.weight;
   }
-  return farthest > 0 ? farthest : (guarded_move.to - guarded_move.from).norm();
+  const bool all = farthest == 0 || 1 - total > kNeglected;
+  return all ? (guarded_move.to - guarded_move.from).norm() : farthest;
 }
 
 std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& object,

@@ -26,7 +26,8 @@ constexpr double kFarBelow = 0.03;        // m of its top, where such a hand may
 constexpr double kClearanceAbove = 0.02;  // m of the hand over the object while travelling
 constexpr double kContactSeconds = 0.12;  // s of contact that are averaged
 constexpr double kBlockedLoad = 0.15;  // N more on the mount: something but the fingertip touches
-constexpr int kBlockedMoves = 2;  // of a hand that sensed nothing, before its finger is changed
+constexpr int kBlockedMoves = 2;     // of a hand that sensed nothing, before its finger is changed
+constexpr double kElsewhere = 0.05;  // of the posterior in no mode, that a travelling hand neglects
 constexpr double kMinInformation = 0.03;
 constexpr double kHigher = 0.006;     // m, of another try where the hand was blocked
 constexpr double kHighest = 0.018;    // m, of all of these together
@@ -127,12 +128,16 @@ PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
 
 void ExplorePhase::estimate(Executor& robot, PickState& state) {
   state.resting = estimator_.resting(robot.model(), robot.log());
-  top_ = highest_of(possible_objects(estimator_));
+  const auto objects = possible_objects(estimator_);
+  top_ = highest_of(objects);
+  if (mass_elsewhere(objects) > kElsewhere) {
+    top_ = std::max(top_, likely_top(estimator_.candidates(), state.height));
+  }
   robot.show(*state.resting);
 }
 
-/// Level guarded moves from all sides, half of them with the hand turned round. Each is aimed, and
-/// shortened, by what the touches before it have shown.
+/// Level guarded moves from all sides, half of them with the hand turned round; each is aimed by
+/// what the touches before it have shown.
 int ExplorePhase::touch_around(Executor& robot, PickState& state) {
   int touches = 0;
   for (const int i : every_other_first(options_.touches)) {

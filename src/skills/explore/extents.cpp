@@ -75,6 +75,14 @@ std::vector<localization::PosedObject> possible_objects(
   return objects;
 }
 
+double mass_elsewhere(const std::vector<localization::PosedObject>& objects) {
+  double elsewhere = 1;
+  for (const auto& [object, posterior] : objects) {
+    for (const localization::Mode& mode : posterior.modes) elsewhere -= mode.weight;
+  }
+  return elsewhere;
+}
+
 double highest_of(const std::vector<localization::PosedObject>& objects) {
   double top = 0;
   for (const auto& [object, posterior] : objects) {

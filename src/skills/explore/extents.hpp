@@ -24,6 +24,9 @@ double likely_reach(const estimation::Candidates& candidates, double measured);
 /// All candidates at their poses by the last estimate.
 std::vector<localization::PosedObject> possible_objects(const estimation::PoseEstimator& estimator);
 
+/// Share of the posterior, over all objects, that is in none of the modes.
+double mass_elsewhere(const std::vector<localization::PosedObject>& objects);
+
 /// m above the table of the highest point of objects at any of their poses.
 double highest_of(const std::vector<localization::PosedObject>& objects);
 

@@ -14,8 +14,8 @@ double speed_of_touch(const estimation::Candidates& candidates, const ExploreOpt
 /// m above the table of the fingertip's centre in the first guarded moves.
 double first_depth(const PickState& state, const ExploreOptions& options);
 
-/// Where the object's middle is on the table: by the best pose, or, before there is any, where it
-/// was put.
+/// Where the object's middle is on the table: by the best pose, or, before there is any, its rough
+/// place.
 Eigen::Vector2d middle_of(const PickState& state, const geometry::KnownObject& object);
 
 /// Level towards a place from an angle, passing it to the left by an offset.

@@ -71,6 +71,7 @@ TableTouchChoice::TableTouchChoice(const Executor& robot, const geometry::Object
                                    const localization::Posterior& held, RandomStream random)
     : object_(object),
       mount_(robot.reading().mount.pose()),
+      in_modes_(1 - held.residual_mass()),
       best_(held.modes.front().T_frame_object),
       centroid_(best_ * object.object().mass_properties.centroid),
       poses_(localization::draw_poses(held, kDraws, random)),
@@ -149,7 +150,7 @@ double TableTouchChoice::tight_share() const {
     const auto error = localization::pose_error(poses_[i], best_, object_.object().symmetries);
     share += localization::within(error, kTight) ? weights_[i] : 0;
   }
-  return share;
+  return std::min(1.0, share) * std::min(1.0, in_modes_);
 }
 
 void TableTouchChoice::made(const TableTouch& touch, std::optional<double> lowest) {

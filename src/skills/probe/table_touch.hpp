@@ -42,7 +42,8 @@ class TableTouchChoice {
   /// Of its centroid, at which the object turns clear of the table; not above height(), m.
   [[nodiscard]] double travel_height() const;
 
-  /// Share of the poses that are within 2.5 deg and 3.5 mm of the best one, by the touches made.
+  /// Share of the posterior that is within 2.5 deg and 3.5 mm of the best pose, by the touches
+  /// made.
   [[nodiscard]] double tight_share() const;
 
   /// The turn has been made. @param lowest  as it was found, where the table was met
@@ -56,6 +57,7 @@ class TableTouchChoice {
   const geometry::ObjectModel& object_;
   Eigen::Isometry3d mount_;
   std::vector<std::pair<Eigen::Vector3d, double>> hand_;  // balls of its surface, world
+  double in_modes_;                                       // share of the posterior
   Eigen::Isometry3d best_;                                // of the posterior, world
   Eigen::Vector3d centroid_;                              // of the best pose, world
   std::vector<Eigen::Isometry3d> poses_;                  // drawn from the posterior, world

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kBackSpeed = 0.1;       // m/s
 constexpr double kOneTouchSeconds = 12;  // s that a touch takes at most, and the way back
-constexpr double kTightEnough = 0.75;    // of the posterior: each touch may turn the object
 constexpr double kStillHangs = 0.5;      // of the object's weight, that must still hang
 
 }  // namespace

@@ -54,7 +54,8 @@ double clear_way(const std::vector<PosedObject>& objects, const ProbingFinger& f
                  const GuardedMove& guarded_move, double neglected = 0.05);
 
 /// How far a guarded move goes, m, until it has met the object at every credible pose at which it
-/// meets it; its whole length where it would meet none. Whoever goes on learns nothing.
+/// meets it; its whole length where it would meet none, or where the modes lack more than 0.05
+/// of 1.
 double useful_way(const std::vector<PosedObject>& objects, const ProbingFinger& finger,
                   const GuardedMove& guarded_move);
 
