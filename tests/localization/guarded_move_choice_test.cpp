@@ -146,16 +146,12 @@ TEST(UsefulWay, EndsWhereTheFarthestCrediblePoseIsTouched) {
       << "a pose that is missed in any case makes it no longer";
 }
 
-TEST(UsefulWay, IsAllOfAWayWhereTheObjectMayBeElsewhere) {
-  localization::Posterior posterior;
-  posterior.modes = {mode_at({0, 0, 0}, 0.9)};
-  EXPECT_NEAR(useful_way({{&box(), posterior}}, kBall, kAlongX), 0.4, 1e-9);
-}
-
-TEST(UsefulWay, IsAllOfAWayThatMeetsNothing) {
-  localization::Posterior posterior;
-  posterior.modes = {mode_at({0, 0.3, 0}, 1)};
-  EXPECT_NEAR(useful_way({{&box(), posterior}}, kBall, kAlongX), 0.4, 1e-9);
+TEST(UsefulWay, IsAllOfAWayThatMeetsNothingOrWhereTheObjectMayBeElsewhere) {
+  for (const localization::Mode& mode : {mode_at({0, 0.3, 0}, 1), mode_at({0, 0, 0}, 0.9)}) {
+    localization::Posterior posterior;
+    posterior.modes = {mode};
+    EXPECT_NEAR(useful_way({{&box(), posterior}}, kBall, kAlongX), 0.4, 1e-9) << mode.weight;
+  }
 }
 
 ProbingFinger turned_ball(double yaw) {

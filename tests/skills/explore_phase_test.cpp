@@ -9,6 +9,7 @@
 #include "palpate/core/assets.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
+#include "skills/explore/guarded_moves.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -109,6 +110,20 @@ struct Exploring {
   hand::FakeHand hand;
   Executor robot;
 };
+
+TEST(MiddleOf, IsThatOfTheBestPoseOnceThereIsOne) {
+  const geometry::KnownObject box = geometry::load_known_object("box");
+  PickState state;
+  state.place = {0.02, -0.03};
+  EXPECT_EQ(middle_of(state, box), state.place);
+  state.resting.emplace();
+  EXPECT_EQ(middle_of(state, box), state.place) << "no pose explains the touches";
+  localization::Mode mode;
+  mode.T_frame_object.translation() << 0.05, 0.01, 0.04;
+  state.resting->modes = {mode};
+  const Eigen::Vector3d middle = mode.T_frame_object * box.mass_properties.centroid;
+  EXPECT_TRUE(middle_of(state, box).isApprox(middle.head<2>()));
+}
 
 TEST(ExplorePhase, GoesOnTillAsManyHaveTouchedAsWereAskedFor) {
   Exploring exploring([](std::size_t sweep) { return sweep % 2 == 0; });

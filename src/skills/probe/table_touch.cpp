@@ -15,6 +15,7 @@
 namespace palpate::skills {
 namespace {
 
+constexpr localization::PoseTolerance kTight{2.5 * kDegree, 0.0035};
 constexpr int kDraws = 150;  // poses of the posterior by which turns are compared
 constexpr int kAzimuths = 8;
 constexpr std::array<double, 2> kTurns = {0.3, 0.55};  // rad
@@ -30,7 +31,6 @@ constexpr double kDownSpeed = 0.1;        // m/s
 constexpr double kClearance = 0.02;       // m of the object over the table while it turns
 constexpr double kGuardedSpeed = 0.005;  // m/s: the stiff grip presses 2 N/mm, and turns the object
 constexpr double kBorne = 0.25;          // N that the table bears
-constexpr localization::PoseTolerance kTight{2.5 * kDegree, 0.0035};
 constexpr double kKnocked = 1.5;         // N by which a fast motion has met something
 constexpr double kSetOutSeconds = 0.15;  // s of a motion in which the load is that of setting out
 

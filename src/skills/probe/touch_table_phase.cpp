@@ -28,16 +28,17 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
   TableTouchChoice choice(robot, estimator_.object(), posterior,
                           RandomStream(estimator_.seed(), "touch table"));
   int tries = 0, touches = 0;
-  for (; tries < options_.table_touches && robot.time() < last_start; ++tries) {
-    if (choice.tight_share() > options_.tight) break;
+  double tight = choice.tight_share();
+  for (; tries < options_.table_touches && tight <= options_.tight && robot.time() < last_start;
+       ++tries) {
     const auto touch = choice.next();
     if (!touch || touch->expected_gain.rate() < options_.min_gain_rate) break;
     const auto lowest = touch_table(robot, choice, *touch, kStillHangs * weight);
     choice.made(*touch, lowest);
     touches += lowest.has_value();
+    tight = choice.tight_share();
   }
   if (tries == 0) {
-    const double tight = choice.tight_share();
     return {true, tight > options_.tight ? fmt::format("tight enough ({:.2f})", tight)
                                          : "would add no information"};
   }
