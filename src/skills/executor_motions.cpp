@@ -6,6 +6,7 @@
 #include <exception>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "palpate/core/error.hpp"
@@ -27,9 +28,9 @@ double seconds_of(const hand::MountPosition& from, const hand::MountPosition& ta
 }
 
 /// A tick after the other.
-std::vector<hand::MountPosition> way_to(const hand::MountPosition& from,
-                                        const hand::MountPosition& target,
-                                        const SpeedProfile& profile) {
+std::vector<hand::MountPosition> straight_way(const hand::MountPosition& from,
+                                              const hand::MountPosition& target,
+                                              const SpeedProfile& profile) {
   std::vector<hand::MountPosition> way;
   for (int i = 1; i <= profile.ticks(); ++i) {
     way.push_back(between(from, target, profile.share(i)));
@@ -115,28 +116,33 @@ std::string Executor::obstacle_along(const std::vector<hand::MountPosition>& cor
   return check_path(std::move(way)).obstacle;
 }
 
-/// Where the straight way is obstructed: the turn is made at the higher end, before or after the
-/// mount moves.
-std::optional<hand::MountPosition> Executor::corner_before(
-    const hand::MountPosition& target) const {
+MountWay Executor::way_to(std::vector<hand::MountPosition> targets) const {
+  MountWay way{std::move(targets), {}};
+  way.obstacle = obstacle_along(way.corners);
+  if (way.obstacle.empty()) return way;
   const hand::MountPosition& here = command_.mount;
-  if (obstacle_along({target}).empty()) return std::nullopt;
-  const hand::MountPosition turned{here.xyz, target.ypr}, moved{target.xyz, here.ypr};
-  if (here.xyz.z() >= target.xyz.z() && obstacle_along({turned, target}).empty()) return turned;
-  if (target.xyz.z() >= here.xyz.z() && obstacle_along({moved, target}).empty()) return moved;
-  return std::nullopt;
+  const hand::MountPosition& there = way.corners.front();
+  const hand::MountPosition turned{here.xyz, there.ypr}, moved{there.xyz, here.ypr};
+  // The turn is made at the higher end.
+  const bool higher = here.xyz.z() >= there.xyz.z(), lower = here.xyz.z() <= there.xyz.z();
+  for (const auto& [possible, corner] : {std::pair(higher, turned), std::pair(lower, moved)}) {
+    if (!possible) continue;
+    std::vector<hand::MountPosition> corners = way.corners;
+    corners.insert(corners.begin(), corner);
+    if (obstacle_along(corners).empty()) return {std::move(corners), {}};
+  }
+  return way;
 }
 
 MotionEnd Executor::move_mount(const hand::MountPosition& target, double speed,
                                const StopCondition& stop) {
   if (stop) speed = std::min(speed, mount_limits().guarded_speed);
   require_motion(target, speed);
-  if (!stop) {
-    if (const auto corner = corner_before(target)) {
-      if (const auto end = move_straight(*corner, speed, {}); end != MotionEnd::reached) return end;
-    }
+  if (stop) return move_straight(target, speed, stop);
+  for (const hand::MountPosition& corner : way_to({target}).corners) {
+    if (const auto end = move_straight(corner, speed, {}); end != MotionEnd::reached) return end;
   }
-  return move_straight(target, speed, stop);
+  return MotionEnd::reached;
 }
 
 MotionEnd Executor::move_straight(const hand::MountPosition& target, double speed,
@@ -144,7 +150,7 @@ MotionEnd Executor::move_straight(const hand::MountPosition& target, double spee
   const hand::MountPosition from = command_.mount;
   SpeedProfile profile(seconds_of(from, target, speed));
   limit_mount(target, profile);
-  const hand::PathFeasibility checked = check_path(way_to(from, target, profile));
+  const hand::PathFeasibility checked = check_path(straight_way(from, target, profile));
   // A guarded move goes as far as it can: what it is to meet may end it before.
   const bool whole = checked.obstacle.empty();
   if (!whole && (!stop || checked.feasible == 0)) throw Unreachable(checked.obstacle);
@@ -189,7 +195,7 @@ MotionEnd Executor::move_hand(const hand::HandCommand& target, double speed, dou
   SpeedProfile profile(std::max(seconds, seconds_of(from.mount, target.mount, speed)));
   limit_mount(target.mount, profile);
   limit_fingers(target.positions, profile);
-  const hand::PathFeasibility checked = check_path(way_to(from.mount, target.mount, profile));
+  const hand::PathFeasibility checked = check_path(straight_way(from.mount, target.mount, profile));
   if (!checked.obstacle.empty()) throw Unreachable(checked.obstacle);
   profile.stretch(checked.stretch);
   for (int i = 1; i <= profile.ticks(); ++i) {

@@ -115,6 +115,31 @@ TEST(PlanRegrasp, LaysAStandingBoxAndBracketDown) {
   }
 }
 
+TEST(PlanRegrasp, KeepsToWhereTheHandCanBeBrought) {
+  Table table("box");
+  const auto from = table.resting({1, 0, 0}, 0.3, {0.01, 0});
+  const auto to = table.resting({0, 0, 1}, 1.0, {0.1, 0.05});
+  const auto anywhere = table.plan(from, to);
+  ASSERT_EQ(anywhere.transfers.size(), 1u);
+  const hand::MountPosition refused = anywhere.transfers.front().release;
+  table.tool.reaches = [&](const hand::MountPosition& mount) {
+    return (mount.ypr - refused.ypr).norm() > 0.2;
+  };
+  const auto elsewhere = table.plan(from, to);
+  ASSERT_EQ(elsewhere.transfers.size(), 1u);
+  EXPECT_TRUE(table.tool.reaches(elsewhere.transfers.front().release));
+  EXPECT_GE(elsewhere.cost, anywhere.cost);
+  expect_sound(table, elsewhere, from, to);
+
+  table.tool.reaches = [](const hand::MountPosition&) { return false; };
+  const auto nowhere = table.plan(from, to);
+  EXPECT_FALSE(nowhere.found);
+  ASSERT_TRUE(report_of(nowhere, PlaceStrategy::wrist));
+  EXPECT_NE(report_of(nowhere, PlaceStrategy::wrist)->reason.find("cannot bring"),
+            std::string::npos)
+      << report_of(nowhere, PlaceStrategy::wrist)->reason;
+}
+
 TEST(PlanRegrasp, StandsALyingBottleUp) {
   const Table table("bottle");
   const auto from = table.resting({0, 1, 0}, -2.0, {0, 0.02});

@@ -167,6 +167,35 @@ TEST(FindGoal, BringsTheObjectToTheTarget) {
   EXPECT_LT(std::abs(search.goal->mount.ypr.x()), 1.6);  // the box is the same from behind
 }
 
+TEST(FindGoal, TurnsTheOtherWayRoundWhereTheArmCannotGo) {
+  const auto box = geometry::load_known_object("box");
+  Carrying carrying({});
+  HeldObject held;
+  held.T_mount_object_flat.translation() << 0, 0, -0.3;
+  held.T_mount_object_flat.linear() = box.stable_poses[0].R_table_object;
+  held.T_mount_object = held.T_mount_object_flat;
+  const auto target = resting_pose(box, 0, {0.2, 0.1}, 1.0);
+  const auto& now = carrying.robot.reading();
+  const auto nearest = find_goal(box, held, target, now, carrying.scene, {});
+  ASSERT_TRUE(nearest.goal) << nearest.obstacle;
+
+  const double yaw = nearest.goal->mount.ypr.x();
+  const auto search =
+      find_goal(box, held, target, now, carrying.scene, {}, [&](const PlaceGoal& goal) {
+        EXPECT_EQ(goal.above.ypr, goal.mount.ypr);
+        return std::abs(goal.mount.ypr.x() - yaw) < 4 ? "a joint ends there" : "";
+      });
+  ASSERT_TRUE(search.goal) << search.obstacle;
+  EXPECT_NEAR(std::abs(search.goal->mount.ypr.x() - yaw), 2 * M_PI, 1e-9);
+  const Eigen::Isometry3d there = search.goal->mount.pose() * search.goal->T_mount_object;
+  EXPECT_LT((there.matrix() - search.goal->T_world_object.matrix()).norm(), 1e-9);
+
+  const auto none = find_goal(box, held, target, now, carrying.scene, {},
+                              [](const PlaceGoal&) { return "a joint ends there"; });
+  EXPECT_FALSE(none.goal);
+  EXPECT_EQ(none.obstacle, "a joint ends there");
+}
+
 TEST(FindGoal, KnowsHowMuchLowerTheObjectHangs) {
   const auto box = geometry::load_known_object("box");
   Carrying carrying({});

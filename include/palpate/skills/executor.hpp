@@ -46,6 +46,12 @@ class Unreachable : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Straight lines along which the mount can be brought to some positions, one after the other.
+struct MountWay {
+  std::vector<hand::MountPosition> corners;  ///< their ends, with those positions
+  std::string obstacle;                      ///< why there is no such way; empty: there is one
+};
+
 /// Moves a hand tick by tick and keeps all that it sensed. It knows nothing but the hand's
 /// readings.
 ///
@@ -133,13 +139,18 @@ class Executor {
   /// Stays for `seconds`, or until `stop`.
   MotionEnd wait(double seconds, const StopCondition& stop = {});
 
-  /// Why the mount cannot be brought there from where it is commanded to be; empty: it can. What
-  /// the hand throws in judging is a fault of the next tick (require_running()).
+  /// Why the mount cannot be brought there from where it is commanded to be, on a straight line;
+  /// empty: it can. What the hand throws in judging is a fault of the next tick
+  /// (require_running()).
   [[nodiscard]] std::string obstacle(const hand::MountPosition& target) const;
 
-  /// Moves the mount on a straight line (m/s; it turns along in proportion), until there or `stop`.
-  /// Where an arm cannot do that, a motion without `stop` turns first and then moves, or the other
-  /// way round.
+  /// How the mount can be brought to targets from where it is commanded to be. Where an arm cannot
+  /// take it to the first one on a straight line, it turns first and then moves, or the other way
+  /// round. What the hand throws in judging is as of obstacle().
+  [[nodiscard]] MountWay way_to(std::vector<hand::MountPosition> targets) const;
+
+  /// Moves the mount on a straight line (m/s; it turns along in proportion), until there or `stop`;
+  /// without `stop` along way_to().
   /// Where the arm's joints are slower than that, it takes longer. A speed that is not positive and
   /// finite, or that takes longer than the log, is a fault (invalid_command). @throws Unreachable
   MotionEnd move_mount(const hand::MountPosition& target, double speed,
@@ -175,8 +186,6 @@ class Executor {
   [[nodiscard]] hand::PathFeasibility check_path(std::vector<hand::MountPosition> way) const;
   [[nodiscard]] hand::MountLimits mount_limits() const;
   [[nodiscard]] std::string obstacle_along(const std::vector<hand::MountPosition>& corners) const;
-  [[nodiscard]] std::optional<hand::MountPosition> corner_before(
-      const hand::MountPosition& target) const;
   MotionEnd move_straight(const hand::MountPosition& target, double speed,
                           const StopCondition& stop);
   void require_motion(const hand::MountPosition& target, double speed);

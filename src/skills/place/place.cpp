@@ -216,7 +216,10 @@ std::string Placement::lean_text() const {
 }
 
 GoalSearch Placement::search_goal(const HeldObject& held) {
-  return find_goal(object_, held, result_.T_world_target, robot_.reading(), *scene_, options_.goal);
+  return find_goal(object_, held, result_.T_world_target, robot_.reading(), *scene_, options_.goal,
+                   [&](const PlaceGoal& goal) {
+                     return robot_.way_to({goal.above, goal.mount}).obstacle;
+                   });
 }
 
 /// Rotates the object by the fingers, then plans the goal again for the pose that the tracker

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "palpate/core/angle.hpp"
 #include "palpate/hand/hand.hpp"
@@ -18,6 +20,7 @@ namespace {
 
 constexpr double kSettles = 30 * std::numbers::pi / 180;        // rad: more than a grasp tilts
 constexpr double kSameStablePose = 3 * std::numbers::pi / 180;  // rad
+constexpr double kFullTurn = 2 * std::numbers::pi;              // rad
 
 std::string obstacle_at(const hand::MountPosition& mount, const GoalOptions& options) {
   if (mount.xyz.head<2>().cwiseAbs().maxCoeff() > options.reach) {
@@ -71,6 +74,28 @@ std::vector<PlaceGoal> equal_goals(const geometry::KnownObject& object,
   return goals;
 }
 
+/// The same goal, and those with a full turn more or less of the mount.
+std::array<PlaceGoal, 3> either_way_round(const PlaceGoal& goal) {
+  std::array<PlaceGoal, 3> goals = {goal, goal, goal};
+  for (const auto& [i, turn] : {std::pair(1, kFullTurn), std::pair(2, -kFullTurn)}) {
+    goals[i].mount.ypr.x() += turn;
+    goals[i].above.ypr.x() += turn;
+  }
+  return goals;
+}
+
+/// The goal to which the arm can bring the hand.
+std::optional<PlaceGoal> within_reach(const PlaceGoal& goal, const GoalObstacle& arm_obstacle,
+                                      std::string& obstacle) {
+  if (!arm_obstacle) return goal;
+  for (const PlaceGoal& way_round : either_way_round(goal)) {
+    const std::string found = arm_obstacle(way_round);
+    if (found.empty()) return way_round;
+    if (obstacle.empty()) obstacle = found;
+  }
+  return std::nullopt;
+}
+
 /// Why the hand cannot come down there with these joints; empty: it can.
 std::string obstacle_to(const PlaceGoal& goal, const hand::JointVector& joints,
                         planning::CollisionChecker& scene, const GoalOptions& options) {
@@ -118,7 +143,8 @@ std::optional<HeldObject> held_object(const geometry::KnownObject& object,
 
 GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held,
                      const Eigen::Isometry3d& T_world_target, const hand::HandReading& now,
-                     planning::CollisionChecker& scene, const GoalOptions& options) {
+                     planning::CollisionChecker& scene, const GoalOptions& options,
+                     const GoalObstacle& arm_obstacle) {
   GoalSearch search;
   search.same_stable_pose =
       same_side_up(object, T_world_target.linear(),
@@ -129,9 +155,9 @@ GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held
   scene.hold(scene.palm_pose(hand::MountPosition{}, joints).inverse() * T_mount_object);
   for (const PlaceGoal& goal :
        equal_goals(object, T_mount_object, T_world_target, now.mount, options.rise)) {
-    const std::string obstacle = obstacle_to(goal, joints, scene, options);
-    if (obstacle.empty()) {
-      search.goal = goal;
+    std::string obstacle = obstacle_to(goal, joints, scene, options);
+    if (obstacle.empty()) search.goal = within_reach(goal, arm_obstacle, obstacle);
+    if (search.goal) {
       search.goal->sunk = sunk_in_hand(object, held, goal);
       return search;
     }

@@ -37,6 +37,9 @@ class Transfers {
         observer_(observer),
         tool_(regrasp_tool(robot.model())) {
     task_.pick = firm_enough(task.pick, turned_over(task.target), task.place);
+    tool_.reaches = [this](const hand::MountPosition& mount) {
+      return robot_.way_to({mount}).obstacle.empty();
+    };
     options_.plan.grasp.press = pressure(task_.pick.grasp, task.object.object());
   }
 

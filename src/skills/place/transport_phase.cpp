@@ -64,8 +64,9 @@ PhaseEnd TransportPhase::run(Executor& robot, PickState& state) {
                                        robot.command().mount.ypr - measured.ypr};
   const hand::JointVector joints = plannable(robot.model(), robot.reading().joints);
   scene_.hold(scene_.palm_pose(hand::MountPosition{}, joints).inverse() * goal_.T_mount_object);
-  motion_ =
-      planning::plan({{measured, joints}, {goal_.above, joints}}, scene_, options_.plan, seed_);
+  std::vector<planning::Waypoint> stops = {{measured, joints}};
+  for (const auto& corner : robot.way_to({goal_.above}).corners) stops.push_back({corner, joints});
+  motion_ = planning::plan(stops, scene_, options_.plan, seed_);
   if (motion_.status != planning::PlanStatus::ok) return {false, why_no_path(motion_)};
 
   const std::vector<hand::HandCommand> way = commands(robot, yielded);

@@ -136,8 +136,11 @@ class Search {
   void connect(std::size_t from, std::size_t to, const std::vector<Hold>& holds) {
     TransferSearch search(object_, tool_, options_, nodes_[from].T_world_object);
     search.set_goal(nodes_[to].T_world_object, nodes_[to].free_yaw);
-    auto transfer = search.cheapest(holds);
-    if (from == kStart && to + 1 == nodes_.size()) nearest_ = search.largest_clearance();
+    auto transfer = search.cheapest(holds, from == kStart);
+    if (from == kStart && to + 1 == nodes_.size()) {
+      nearest_ = search.largest_clearance();
+      out_of_reach_ = search.out_of_reach();
+    }
     if (!transfer) return;
     transfer->from = nodes_[from].stable_pose;
     transfer->to = nodes_[to].stable_pose;
@@ -197,6 +200,7 @@ class Search {
       return fmt::format("of {} grasps the best would put the hand {:.0f} mm above the table",
                          from_start_, 1e3 * nearest_);
     }
+    if (out_of_reach_) return "what carries the hand cannot bring it there as it would hold";
     return "a way over other stable poses costs less";
   }
 
@@ -209,6 +213,7 @@ class Search {
   std::vector<Visit> visits_;
   std::size_t from_start_ = 0;                                 // grasps there
   double nearest_ = -std::numeric_limits<double>::infinity();  // clearance at the target, m
+  bool out_of_reach_ = false;                                  // grasps there, with the target
 };
 
 void check(const geometry::ObjectModel& object, const Eigen::Isometry3d& start,

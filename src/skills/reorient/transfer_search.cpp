@@ -122,21 +122,30 @@ double TransferSearch::cost(const Hold& hold) const {
   return moving + hold.grasp->cost + at_end;
 }
 
+/// The mount where the hand lets go.
+hand::MountPosition TransferSearch::release(const Hold& hold) const {
+  return hand::nearest_mount(to_ * hold.T_mount_object.inverse(),
+                             hold.grasp ? hold.grasp->mount : hand::MountPosition{});
+}
+
+bool TransferSearch::reachable(const Choice& choice) const {
+  const Hold& hold = *choice.hold;
+  return (!hold.grasp || tool_.reaches(hold.grasp->mount)) && tool_.reaches(release(hold));
+}
+
 Transfer TransferSearch::transfer(const Choice& choice) const {
   Transfer transfer;
   transfer.grasp = choice.hold->grasp;
   transfer.T_world_from = from_;
   transfer.T_world_to = to_;
-  transfer.release =
-      hand::nearest_mount(to_ * choice.hold->T_mount_object.inverse(),
-                          choice.hold->grasp ? choice.hold->grasp->mount : hand::MountPosition{});
+  transfer.release = release(*choice.hold);
   transfer.turn = turn_;
   transfer.clearance = choice.clearance;
   transfer.cost = choice.cost;
   return transfer;
 }
 
-std::optional<Transfer> TransferSearch::cheapest(const std::vector<Hold>& holds) {
+std::optional<Transfer> TransferSearch::cheapest(const std::vector<Hold>& holds, bool placed) {
   std::vector<Choice> choices;
   for (const Hold& hold : holds) {
     const double above = clearance(hold);
@@ -148,6 +157,15 @@ std::optional<Transfer> TransferSearch::cheapest(const std::vector<Hold>& holds)
   if (choices.empty()) return std::nullopt;
   const auto cheaper = [](const Choice& a, const Choice& b) { return a.cost < b.cost; };
   std::stable_sort(choices.begin(), choices.end(), cheaper);
+  if (placed && tool_.reaches) {
+    std::vector<Choice> reached;
+    for (std::size_t i = 0; i < choices.size() && reached.size() < kCompared; ++i) {
+      if (reachable(choices[i])) reached.push_back(choices[i]);
+    }
+    out_of_reach_ = reached.size() < std::min(choices.size(), kCompared);
+    if (reached.empty()) return std::nullopt;
+    choices = std::move(reached);
+  }
   choices.resize(std::min(choices.size(), kCompared));
   for (Choice& choice : choices) {
     if (!choice.hold->grasp) continue;

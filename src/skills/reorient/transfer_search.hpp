@@ -33,10 +33,13 @@ class TransferSearch {
   /// symmetries allow.
   void set_goal(const Eigen::Isometry3d& T_world_to, bool free_yaw);
 
-  std::optional<Transfer> cheapest(const std::vector<Hold>& holds);
+  /// @param placed  whether the poses are where they will be, so that the hand has to reach them
+  std::optional<Transfer> cheapest(const std::vector<Hold>& holds, bool placed);
 
   /// Largest of the holds' clearances, m.
   [[nodiscard]] double largest_clearance() const { return largest_clearance_; }
+  /// Whether holds were left out because the hand cannot be brought there.
+  [[nodiscard]] bool out_of_reach() const { return out_of_reach_; }
 
  private:
   struct Choice {
@@ -45,6 +48,8 @@ class TransferSearch {
   };
   double clearance(const Hold& hold) const;
   bool rises_freely(const Hold& hold) const;
+  bool reachable(const Choice& choice) const;
+  hand::MountPosition release(const Hold& hold) const;
   Transfer transfer(const Choice& choice) const;
   double cost(const Hold& hold) const;
 
@@ -54,6 +59,7 @@ class TransferSearch {
   Eigen::Isometry3d from_, to_ = Eigen::Isometry3d::Identity();
   double turn_ = 0;
   double largest_clearance_ = -std::numeric_limits<double>::infinity();
+  bool out_of_reach_ = false;
 };
 
 }  // namespace palpate::skills

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -59,14 +60,20 @@ struct GoalOptions {
   }
 };
 
+/// Why what carries the hand cannot bring it over a goal and down to it; empty: it can.
+using GoalObstacle = std::function<std::string(const PlaceGoal&)>;
+
 /// The mount position that brings the held object to the target: mount = T_world_object S
 /// T_mount_object^-1, where S is that symmetry of the object that needs the least turn of the mount
 /// and leaves hand and object free of table and fixture.
 /// @param scene  with the object held in it
 /// @param now  where the mount is; joints: of the closed hand, rad
+/// @param arm_obstacle  of what carries the hand; where the least turn ends at a limit of its
+///        joints, the mount turns the other way round
 GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held,
                      const Eigen::Isometry3d& T_world_target, const hand::HandReading& now,
-                     planning::CollisionChecker& scene, const GoalOptions& options);
+                     planning::CollisionChecker& scene, const GoalOptions& options,
+                     const GoalObstacle& arm_obstacle = {});
 
 /// Joint angles as a planner takes them: within their ranges and coupling, without sensor noise
 /// beyond them.

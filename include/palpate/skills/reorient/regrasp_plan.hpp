@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,8 @@ namespace palpate::skills {
 struct GraspTool {
   grasping::ClosingTrajectory path;
   std::vector<hand::Attitude> attitudes;  ///< of the mount
+  /// Whether what carries the hand can bring it there; empty: everywhere.
+  std::function<bool(const hand::MountPosition&)> reaches = {};
 };
 
 /// The tool of the grasps from above, at the attitudes from which an object can then be turned far.
