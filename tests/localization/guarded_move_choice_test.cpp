@@ -179,6 +179,17 @@ TEST(MostRefiningGuardedMove, TurnsTheHandToTellItsOffsetFromThePlace) {
   EXPECT_EQ(best->guarded_move.turn, 1U);
 }
 
+TEST(MostRefiningGuardedMove, DoesNotTurnTheHandWhereThatTakesTooLong) {
+  std::vector<ProbingFinger> fingers = {turned_ball(0), turned_ball(M_PI)};
+  const std::vector<TurnedMove> done(6, {kAlongX, 0});
+  const std::vector<GuardedMove> moves = {kAlongX, kAlongY};
+  fingers[1].seconds = 1000;
+  const auto best = most_refining_move(box(), Eigen::Isometry3d::Identity(), fingers, moves, done);
+  ASSERT_TRUE(best);
+  EXPECT_EQ(best->guarded_move.turn, 0U);
+  EXPECT_EQ(best->guarded_move.guarded_move.from, kAlongY.from);
+}
+
 TEST(MostRefiningGuardedMove, NeedsATouch) {
   const GuardedMove beside = {{0.3, 0.3, 0}, {0.2, 0.3, 0}};
   EXPECT_FALSE(

@@ -186,7 +186,8 @@ std::optional<InformativeMove> most_informative_move(
   const auto poses = weighted_objects(objects);
   for (std::size_t i = 0; i < guarded_moves.size(); ++i) {
     const double gained = information(poses, finger, guarded_moves[i]);
-    if (gained > (best ? best->information : 0.0)) best = {guarded_moves[i], i, gained};
+    if (gained <= (best ? best->information : 0.0)) continue;
+    best = {guarded_moves[i], i, gained, gained / finger.seconds};
   }
   return best;
 }
@@ -234,12 +235,16 @@ std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& obje
   }
   const double before = spread_of(known);
   std::optional<RefiningMove> best;
+  double best_rate = 0;  // per second
   for (std::size_t turn = 0; turn < fingers.size(); ++turn) {
     for (const GuardedMove& guarded_move : guarded_moves) {
       const auto gained = information_of(object, T_world_object, fingers[turn], guarded_move);
       if (!gained) continue;
       const double after = spread_of(known + *gained);
-      if (!best || after < best->after) best = {{guarded_move, turn}, before, after};
+      const double rate = (before - after) / fingers[turn].seconds;
+      if (best && rate <= best_rate) continue;
+      best = {{guarded_move, turn}, before, after};
+      best_rate = rate;
     }
   }
   return best;

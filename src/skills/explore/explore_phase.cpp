@@ -36,7 +36,7 @@ constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may l
 constexpr double kBackOff = 0.015;    // m
 constexpr double kEarlier = 0.015;    // m before the expected touch, from where a move is slow
 constexpr double kOverTop = 0.005;    // m over the object, from where coming down is slower
-constexpr double kRunUp = 0.02;       // m of a guarded move before that, which is fast
+constexpr double kRunUp = 0.01;       // m of a guarded move before that, which is fast
 constexpr double kPast = 0.03;        // m behind the last place where a touch is expected
 constexpr double kSettle = 0.08;      // s of standing still before a guarded move
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
@@ -217,7 +217,7 @@ int ExplorePhase::disambiguate(Executor& robot, PickState& state) {
       const auto best = localization::most_informative_move(
           possible_objects(estimator_), probing_finger(robot, pointing(robot), yaw(other)),
           left[other]);
-      if (!best || (choice && best->information <= choice->information)) continue;
+      if (!best || (choice && best->rate <= choice->rate)) continue;
       choice = best;
       turn = other;
     }
@@ -235,13 +235,13 @@ int ExplorePhase::refine(Executor& robot, PickState& state) {
   std::vector<localization::GuardedMove>
       guarded_moves;  // near the top, where nothing but the fingertip meets the object
   add_level_guarded_moves(state, options_, first_depth(state, options_) + raised_, guarded_moves);
-  const std::vector<localization::ProbingFinger> fingers = {
-      probing_finger(robot, pointing(robot), yaw(0)),
-      probing_finger(robot, pointing(robot), yaw(1))};
   for (int i = 0; i < options_.refining; ++i) {
     if (state.resting->modes.empty()) break;
     const auto choice = localization::most_refining_move(
-        estimator_.object(), state.resting->modes[0].T_frame_object, fingers, guarded_moves, done_);
+        estimator_.object(), state.resting->modes[0].T_frame_object,
+        {probing_finger(robot, pointing(robot), yaw(0)),
+         probing_finger(robot, pointing(robot), yaw(1))},
+        guarded_moves, done_);
     if (!choice || choice->before < kGoodSpread || choice->after > kWorthwhile * choice->before) {
       break;
     }

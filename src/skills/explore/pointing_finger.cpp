@@ -6,6 +6,9 @@
 namespace palpate::skills {
 namespace {
 
+constexpr double kMoveSeconds = 2.0;       // s, about, of a guarded move with its travel
+constexpr double kSecondsPerRadian = 0.4;  // s by which a turn of the hand delays it
+
 /// Centre of the probing fingertip in the mount's frame, by the posture read.
 Eigen::Vector3d probe_in_mount(const Executor& robot, const hand::PointingHand& pointing) {
   const auto T_mount_link = hand::forward_kinematics(robot.model(), robot.reading().joints);
@@ -33,11 +36,13 @@ localization::ProbingFinger probing_finger(const Executor& robot,
                                            const hand::PointingHand& pointing, double yaw) {
   const auto& hand = robot.model();
   const auto T_mount_link = hand::forward_kinematics(hand, robot.reading().joints);
-  const Eigen::Matrix3d R_world_mount =
-      mount_for_probe(robot, pointing, yaw, Eigen::Vector3d::Zero()).pose().linear();
+  const hand::MountPosition mount = mount_for_probe(robot, pointing, yaw, Eigen::Vector3d::Zero());
+  const Eigen::Matrix3d R_world_mount = mount.pose().linear();
+  const double turn = (mount.ypr - robot.command().mount.ypr).cwiseAbs().maxCoeff();
   const Eigen::Vector3d tip_center = probe_in_mount(robot, pointing);
   localization::ProbingFinger finger;
   finger.R_world_mount = R_world_mount;
+  finger.seconds = kMoveSeconds + kSecondsPerRadian * turn;
   for (const auto& sphere : hand.spheres) {
     const Eigen::Vector3d p = T_mount_link[static_cast<std::size_t>(sphere.link)] * sphere.center;
     const bool tip = sphere.link == hand.fingers[static_cast<std::size_t>(pointing.finger)].link;

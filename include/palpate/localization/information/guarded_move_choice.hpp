@@ -18,6 +18,7 @@ struct GuardedMove {
 struct ProbingFinger {
   std::vector<localization::FreeSphere> tip, rest;  ///< rest: of the hand
   Eigen::Matrix3d R_world_mount = Eigen::Matrix3d::Identity();
+  double seconds = 1;  ///< s that a guarded move takes, with the turn of the hand before it
 };
 
 /// A guarded move and how well its end distinguishes poses.
@@ -25,6 +26,7 @@ struct InformativeMove {
   GuardedMove guarded_move;
   std::size_t index = 0;   ///< of it among the guarded moves
   double information = 0;  ///< probability that two draws from the poses are distinguished
+  double rate = 0;         ///< information a second
 };
 
 /// An object that it may be, and its poses, which weigh as much as it is probable.
@@ -72,8 +74,9 @@ struct RefiningMove {
   double before = 0, after = 0;
 };
 
-/// The guarded move after which a resting pose is known best, by the linearised errors of the pose
-/// and of an offset of the fingertip that all touches share in the mount's frame.
+/// The guarded move that lessens the error of a resting pose most per second, by the linearised
+/// errors of the pose and of an offset of the fingertip that all touches share in the mount's
+/// frame.
 ///
 /// @param fingers  the probing finger for each turn of the hand
 /// @param done     the guarded moves made so far
