@@ -174,6 +174,10 @@ PathFeasibility AssembledHand::check_path(std::span<const MountPosition> way) co
   return {};
 }
 
+ArmPosture AssembledHand::arm_posture() const {
+  return arm_ ? arm_->arm_posture() : fingers_.arm_posture();
+}
+
 MountLimits AssembledHand::mount_limits() const {
   return arm_ ? arm_->mount_limits() : fingers_.mount_limits();
 }

@@ -7,11 +7,15 @@
 
 namespace palpate::planning {
 
+bool HandSpace::is_free(const Coordinates& configuration) {
+  const hand::HandCommand command = command_of(configuration);
+  const auto joints = hand::joints_in_free_flexion(scene_.hand(), command.positions);
+  return !scene_.deepest_collision(command.mount, joints);
+}
+
 bool FreeSpace::holds(const Coordinates& configuration) {
   ++checks_;
-  const hand::HandCommand command = command_of(configuration);
-  const auto joints = hand::joints_in_free_flexion(scene_->hand(), command.positions);
-  return !scene_->deepest_collision(command.mount, joints);
+  return is_free(configuration);
 }
 
 bool FreeSpace::holds_piece(const PathPiece& piece) {

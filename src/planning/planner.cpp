@@ -67,7 +67,7 @@ class LegPlanner {
   PlanOptions options_;
   const hand::Description& hand_;
   PlannerKind planner_;
-  FreeSpace free_;
+  HandSpace free_;
   RandomStream random_;
   bool mount_moves_ = false;
 };

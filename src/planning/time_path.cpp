@@ -94,26 +94,24 @@ bool has_corner(const Stage& before, const Stage& after, const Coordinates& metr
 
 /// Largest squared speed at the start of each stage, and at the end, from which the end can be
 /// reached at rest.
-std::vector<double> backward(const std::vector<Stage>& stages, const MotionLimits& limits,
+std::vector<double> backward(const std::vector<Stage>& stages, const CoordinateLimits& limits,
                              const Coordinates& metric) {
-  const Coordinates speed = speed_limits(limits, metric.size());
-  const Coordinates acceleration = acceleration_limits(limits, metric.size());
   std::vector<double> z(stages.size() + 1, 0.0);
   for (std::size_t k = stages.size(); k-- > 1;) {
     if (has_corner(stages[k - 1], stages[k], metric)) continue;
-    const double bound = std::min(speed_bound(stages[k - 1], speed), speed_bound(stages[k], speed));
-    z[k] = largest_start(stages[k], bound, z[k + 1], acceleration);
+    const double bound =
+        std::min(speed_bound(stages[k - 1], limits.speed), speed_bound(stages[k], limits.speed));
+    z[k] = largest_start(stages[k], bound, z[k + 1], limits.acceleration);
   }
   return z;
 }
 
 /// Squared speeds at the ends of the stages, from rest, accelerating as much as can be.
 std::vector<double> forward(const std::vector<Stage>& stages, const std::vector<double>& bounds,
-                            const MotionLimits& limits, Eigen::Index size) {
-  const Coordinates acceleration = acceleration_limits(limits, size);
+                            const CoordinateLimits& limits) {
   std::vector<double> z(stages.size() + 1, 0.0);
   for (std::size_t k = 0; k < stages.size(); ++k) {
-    const Interval allowed = accelerations(stages[k], z[k], acceleration);
+    const Interval allowed = accelerations(stages[k], z[k], limits.acceleration);
     z[k + 1] = std::clamp(z[k] + 2 * stages[k].length * allowed.high, 0.0, bounds[k + 1]);
   }
   return z;
@@ -123,9 +121,16 @@ std::vector<double> forward(const std::vector<Stage>& stages, const std::vector<
 
 std::vector<Coordinates> time_path(const std::vector<PathPiece>& path, const MotionLimits& limits,
                                    const Coordinates& metric, double dt) {
+  const CoordinateLimits by_coordinate{speed_limits(limits, metric.size()),
+                                       acceleration_limits(limits, metric.size())};
+  return time_path(path, by_coordinate, metric, dt);
+}
+
+std::vector<Coordinates> time_path(const std::vector<PathPiece>& path,
+                                   const CoordinateLimits& limits, const Coordinates& metric,
+                                   double dt) {
   const std::vector<Stage> stages = stages_of(path);
-  const std::vector<double> z =
-      forward(stages, backward(stages, limits, metric), limits, metric.size());
+  const std::vector<double> z = forward(stages, backward(stages, limits, metric), limits);
   std::vector<Coordinates> samples;
   double start = 0, time = 0;
   for (std::size_t k = 0; k < stages.size(); ++k) {

@@ -17,8 +17,9 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kLeverArm = 0.2;   // m: what a turn of 1 rad counts as a way of the hand
-constexpr int kCheckedSteps = 100;  // of a way that is asked about
+constexpr double kLeverArm = 0.2;       // m: what a turn of 1 rad counts as a way of the hand
+constexpr int kCheckedSteps = 100;      // of a way that is asked about, at least
+constexpr double kCheckedTurn = 0.032;  // rad of the mount in one of them, at most
 
 /// s that the way takes at a speed (m/s).
 double seconds_of(const hand::MountPosition& from, const hand::MountPosition& target,
@@ -28,9 +29,9 @@ double seconds_of(const hand::MountPosition& from, const hand::MountPosition& ta
 }
 
 /// A tick after the other.
-std::vector<hand::MountPosition> straight_way(const hand::MountPosition& from,
-                                              const hand::MountPosition& target,
-                                              const SpeedProfile& profile) {
+std::vector<hand::MountPosition> straight_path(const hand::MountPosition& from,
+                                               const hand::MountPosition& target,
+                                               const SpeedProfile& profile) {
   std::vector<hand::MountPosition> way;
   for (int i = 1; i <= profile.ticks(); ++i) {
     way.push_back(between(from, target, profile.share(i)));
@@ -108,30 +109,38 @@ std::string Executor::obstacle_along(const std::vector<hand::MountPosition>& cor
   std::vector<hand::MountPosition> way;
   hand::MountPosition from = command_.mount;
   for (const hand::MountPosition& corner : corners) {
-    for (int i = 1; i <= kCheckedSteps; ++i) {
-      way.push_back(between(from, corner, static_cast<double>(i) / kCheckedSteps));
+    const double turn = (corner.ypr - from.ypr).cwiseAbs().maxCoeff();
+    const int steps = std::max(kCheckedSteps, static_cast<int>(std::ceil(turn / kCheckedTurn)));
+    for (int i = 1; i <= steps; ++i) {
+      way.push_back(between(from, corner, static_cast<double>(i) / steps));
     }
     from = corner;
   }
   return check_path(std::move(way)).obstacle;
 }
 
-MountWay Executor::way_to(std::vector<hand::MountPosition> targets) const {
-  MountWay way{std::move(targets), {}};
-  way.obstacle = obstacle_along(way.corners);
-  if (way.obstacle.empty()) return way;
+MountPath Executor::path_to(std::vector<hand::MountPosition> targets) const {
+  MountPath path{std::move(targets), {}};
+  path.obstacle = obstacle_along(path.corners);
+  if (path.obstacle.empty() || path.corners.empty()) return path;
   const hand::MountPosition& here = command_.mount;
-  const hand::MountPosition& there = way.corners.front();
+  const hand::MountPosition& there = path.corners.front();
   const hand::MountPosition turned{here.xyz, there.ypr}, moved{there.xyz, here.ypr};
   // The turn is made at the higher end.
   const bool higher = here.xyz.z() >= there.xyz.z(), lower = here.xyz.z() <= there.xyz.z();
   for (const auto& [possible, corner] : {std::pair(higher, turned), std::pair(lower, moved)}) {
     if (!possible) continue;
-    std::vector<hand::MountPosition> corners = way.corners;
+    std::vector<hand::MountPosition> corners = path.corners;
     corners.insert(corners.begin(), corner);
     if (obstacle_along(corners).empty()) return {std::move(corners), {}};
   }
-  return way;
+  return path;
+}
+
+std::optional<planning::ArmStart> Executor::arm_start() const {
+  hand::ArmPosture posture = ask_hand<hand::ArmPosture>([&] { return hand_.arm_posture(); });
+  if (!posture.arm) return std::nullopt;
+  return planning::ArmStart{std::move(posture), command_.mount, table_height_};
 }
 
 MotionEnd Executor::move_mount(const hand::MountPosition& target, double speed,
@@ -139,7 +148,7 @@ MotionEnd Executor::move_mount(const hand::MountPosition& target, double speed,
   if (stop) speed = std::min(speed, mount_limits().guarded_speed);
   require_motion(target, speed);
   if (stop) return move_straight(target, speed, stop);
-  for (const hand::MountPosition& corner : way_to({target}).corners) {
+  for (const hand::MountPosition& corner : path_to({target}).corners) {
     if (const auto end = move_straight(corner, speed, {}); end != MotionEnd::reached) return end;
   }
   return MotionEnd::reached;
@@ -150,7 +159,7 @@ MotionEnd Executor::move_straight(const hand::MountPosition& target, double spee
   const hand::MountPosition from = command_.mount;
   SpeedProfile profile(seconds_of(from, target, speed));
   limit_mount(target, profile);
-  const hand::PathFeasibility checked = check_path(straight_way(from, target, profile));
+  const hand::PathFeasibility checked = check_path(straight_path(from, target, profile));
   // A guarded move goes as far as it can: what it is to meet may end it before.
   const bool whole = checked.obstacle.empty();
   if (!whole && (!stop || checked.feasible == 0)) throw Unreachable(checked.obstacle);
@@ -195,7 +204,8 @@ MotionEnd Executor::move_hand(const hand::HandCommand& target, double speed, dou
   SpeedProfile profile(std::max(seconds, seconds_of(from.mount, target.mount, speed)));
   limit_mount(target.mount, profile);
   limit_fingers(target.positions, profile);
-  const hand::PathFeasibility checked = check_path(straight_way(from.mount, target.mount, profile));
+  const hand::PathFeasibility checked =
+      check_path(straight_path(from.mount, target.mount, profile));
   if (!checked.obstacle.empty()) throw Unreachable(checked.obstacle);
   profile.stretch(checked.stretch);
   for (int i = 1; i <= profile.ticks(); ++i) {

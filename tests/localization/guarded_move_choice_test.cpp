@@ -32,6 +32,10 @@ TEST(MostInformativeMove, IsAcrossTheDirectionInWhichTheModesDiffer) {
   EXPECT_EQ(best->guarded_move.from, kAlongX.from);
   EXPECT_EQ(best->index, 1u);
   EXPECT_NEAR(best->information, 0.5, 1e-9);  // two equal modes that are surely distinguished
+  EXPECT_EQ(best->rate, best->information);
+  ProbingFinger slow = kBall;
+  slow.seconds = 4;
+  EXPECT_NEAR(most_informative_move(box(), posterior, slow, {kAlongX})->rate, 0.125, 1e-9);
 }
 
 TEST(MostInformativeMove, UnlikelyModesAreWorthLess) {
@@ -182,12 +186,15 @@ TEST(MostRefiningGuardedMove, TurnsTheHandToTellItsOffsetFromThePlace) {
 TEST(MostRefiningGuardedMove, DoesNotTurnTheHandWhereThatTakesTooLong) {
   std::vector<ProbingFinger> fingers = {turned_ball(0), turned_ball(M_PI)};
   const std::vector<TurnedMove> done(6, {kAlongX, 0});
-  const std::vector<GuardedMove> moves = {kAlongX, kAlongY};
   fingers[1].seconds = 1000;
-  const auto best = most_refining_move(box(), Eigen::Isometry3d::Identity(), fingers, moves, done);
+  const auto best =
+      most_refining_move(box(), Eigen::Isometry3d::Identity(), fingers, {kAlongX}, done);
   ASSERT_TRUE(best);
   EXPECT_EQ(best->guarded_move.turn, 0U);
-  EXPECT_EQ(best->guarded_move.guarded_move.from, kAlongY.from);
+  const auto worthwhile = most_refining_move(box(), Eigen::Isometry3d::Identity(), fingers,
+                                             {kAlongX}, done, 0.999 * best->after / best->before);
+  ASSERT_TRUE(worthwhile) << "the other one leaves less";
+  EXPECT_EQ(worthwhile->guarded_move.turn, 1U);
 }
 
 TEST(MostRefiningGuardedMove, NeedsATouch) {

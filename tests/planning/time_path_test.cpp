@@ -97,9 +97,9 @@ TEST(TimePath, RoundedCornersAreFasterThanStops) {
   RandomStream random(4);
   const auto corners = random_corners(random, 5);
   const auto stopping =
-      time_path(rounded(corners, std::vector<double>(5, 0.0), kMetric), {}, kMetric);
+      time_path(rounded(corners, std::vector<double>(5, 0.0), kMetric), MotionLimits{}, kMetric);
   const auto flowing =
-      time_path(rounded(corners, std::vector<double>(5, 0.05), kMetric), {}, kMetric);
+      time_path(rounded(corners, std::vector<double>(5, 0.05), kMetric), MotionLimits{}, kMetric);
   EXPECT_LT(flowing.size(), stopping.size());
 }
 

@@ -121,15 +121,23 @@ TEST(PlanRegrasp, KeepsToWhereTheHandCanBeBrought) {
   const auto to = table.resting({0, 0, 1}, 1.0, {0.1, 0.05});
   const auto anywhere = table.plan(from, to);
   ASSERT_EQ(anywhere.transfers.size(), 1u);
-  const hand::MountPosition refused = anywhere.transfers.front().release;
-  table.tool.reaches = [&](const hand::MountPosition& mount) {
-    return (mount.ypr - refused.ypr).norm() > 0.2;
+  const auto away_from = [](const hand::MountPosition& refused) {
+    return [refused](const hand::MountPosition& mount) {
+      return (mount.ypr - refused.ypr).norm() > 0.2;
+    };
   };
-  const auto elsewhere = table.plan(from, to);
+  const auto everywhere = [](const hand::MountPosition&) { return true; };
+  table.tool.reaches = everywhere;
+  table.tool.releases = away_from(anywhere.transfers.front().release);
+  auto elsewhere = table.plan(from, to);
   ASSERT_EQ(elsewhere.transfers.size(), 1u);
-  EXPECT_TRUE(table.tool.reaches(elsewhere.transfers.front().release));
-  EXPECT_GE(elsewhere.cost, anywhere.cost);
+  EXPECT_TRUE(table.tool.releases(elsewhere.transfers.front().release));
   expect_sound(table, elsewhere, from, to);
+  table.tool.reaches = away_from(anywhere.transfers.front().grasp->mount);
+  table.tool.releases = everywhere;
+  elsewhere = table.plan(from, to);
+  ASSERT_EQ(elsewhere.transfers.size(), 1u);
+  EXPECT_TRUE(table.tool.reaches(elsewhere.transfers.front().grasp->mount));
 
   table.tool.reaches = [](const hand::MountPosition&) { return false; };
   const auto nowhere = table.plan(from, to);

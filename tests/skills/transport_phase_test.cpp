@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
+#include "hand/arms.hpp"
 #include "hand/fake_hand.hpp"
 #include "palpate/core/assets.hpp"
+#include "palpate/hand/arm_follower.hpp"
 #include "palpate/simulation/collision/collision_scene.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 #include "palpate/simulation/world/world.hpp"
@@ -14,15 +18,32 @@ namespace {
 
 constexpr double kWeight = 3.0;  // N
 
-/// A hand on what takes so many times as long as wanted.
-struct SlowlyCarriedHand : hand::FakeHand {
+/// A hand on what takes so many times as long as wanted, and may not turn while it moves; or on an
+/// arm.
+struct CarriedHand : hand::FakeHand {
   using hand::FakeHand::FakeHand;
-  hand::PathFeasibility check_path(std::span<const hand::MountPosition>) const override {
+  hand::HandReading step(const hand::HandCommand& command) override {
+    if (arm) arm->follow(command.mount.pose());
+    return hand::FakeHand::step(command);
+  }
+  hand::PathFeasibility check_path(std::span<const hand::MountPosition> way) const override {
+    if (arm) return arm->check_path(way);
     hand::PathFeasibility answer;
     answer.stretch = stretch;
+    for (std::size_t i = 1; turns_or_moves && i < way.size(); ++i) {
+      const bool moves = (way[i].xyz - way[i - 1].xyz).norm() > 1e-9;
+      const bool turns = (way[i].ypr - way[i - 1].ypr).norm() > 1e-9;
+      if (moves && turns) answer.obstacle = "it would do both";
+    }
     return answer;
   }
+  hand::ArmPosture arm_posture() const override {
+    return arm && tells ? arm->posture() : hand::ArmPosture{};
+  }
   double stretch = 1;
+  bool turns_or_moves = false;
+  bool tells = true;  // its arm
+  std::optional<hand::ArmFollower> arm;
 };
 
 /// A hand that holds a box 25 cm below its mount, 30 cm over the table.
@@ -57,7 +78,7 @@ struct Carrying {
 
   hand::Description model =
       hand::with_soft_actuators(simulation::load_shadow_hand(asset("shadow_hand/right_hand.xml")));
-  SlowlyCarriedHand hand;
+  CarriedHand hand;
   Executor robot;
   simulation::CollisionScene scene{geometry::load_known_object("box"), model};
   PlaceGoal goal;
@@ -91,6 +112,34 @@ TEST(TransportPhase, ASlowArmStretchesTheMotion) {
   EXPECT_NE(report.outcome.find("at most 0.0 mm behind"), std::string::npos) << report.outcome;
   EXPECT_NEAR(report.robot_seconds - quick.robot_seconds, 0.5 * fast.motion.duration(), 0.02);
   EXPECT_LT((slow.robot.command().mount.xyz - slow.goal.above.xyz).norm(), 1e-9);
+}
+
+TEST(TransportPhase, TurnsBeforeItMovesWhereTheArmCannotDoBoth) {
+  Carrying carrying({});
+  carrying.hand.turns_or_moves = true;
+  const auto report = carrying.run();
+  EXPECT_EQ(report.status, PhaseStatus::ok) << report.outcome;
+  EXPECT_LT((carrying.robot.command().mount.xyz - carrying.goal.above.xyz).norm(), 1e-9);
+  EXPECT_LT((carrying.robot.command().mount.ypr - carrying.goal.above.ypr).norm(), 1e-9);
+}
+
+TEST(TransportPhase, IsPlannedForTheJointsOfAnArmThatCannotFollowLines) {
+  for (const bool tells : {true, false}) {
+    Carrying carrying({});
+    hand::ArmDescription arm = hand::six_hinges();
+    arm.joints.back().range = {-3, 0.5};  // it would have to turn by 0.8 rad
+    carrying.hand.arm.emplace(arm);
+    carrying.hand.tells = tells;
+    carrying.hand.arm->reset(Carrying::waiting().mount.pose());
+    ASSERT_FALSE(carrying.robot.path_to({carrying.goal.above}).obstacle.empty());
+    const auto report = carrying.run();
+    EXPECT_EQ(report.status, tells ? PhaseStatus::ok : PhaseStatus::failed) << report.outcome;
+    if (!tells) continue;
+    const auto there = carrying.robot.command().mount.pose().matrix();
+    EXPECT_LT((there - carrying.goal.above.pose().matrix()).norm(), 1e-4);
+    const std::vector<hand::MountPosition> down = path_down(carrying.goal);
+    EXPECT_EQ(carrying.robot.path_to(down).obstacle, "") << "it can come down from there";
+  }
 }
 
 TEST(TransportPhase, TheFingersBearTheWeightAsTheHandTurns) {
@@ -186,6 +235,7 @@ TEST(FindGoal, TurnsTheOtherWayRoundWhereTheArmCannotGo) {
         return std::abs(goal.mount.ypr.x() - yaw) < 4 ? "a joint ends there" : "";
       });
   ASSERT_TRUE(search.goal) << search.obstacle;
+  EXPECT_FALSE(search.out_of_reach);
   EXPECT_NEAR(std::abs(search.goal->mount.ypr.x() - yaw), 2 * M_PI, 1e-9);
   const Eigen::Isometry3d there = search.goal->mount.pose() * search.goal->T_mount_object;
   EXPECT_LT((there.matrix() - search.goal->T_world_object.matrix()).norm(), 1e-9);
@@ -193,6 +243,7 @@ TEST(FindGoal, TurnsTheOtherWayRoundWhereTheArmCannotGo) {
   const auto none = find_goal(box, held, target, now, carrying.scene, {},
                               [](const PlaceGoal&) { return "a joint ends there"; });
   EXPECT_FALSE(none.goal);
+  EXPECT_TRUE(none.out_of_reach);
   EXPECT_EQ(none.obstacle, "a joint ends there");
 }
 

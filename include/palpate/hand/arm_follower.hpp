@@ -19,6 +19,11 @@ class ArmFollower {
   /// The joints as last commanded; none before reset().
   [[nodiscard]] const ArmVector& joints() const { return joints_; }
 
+  /// Those for the last pose of the mount, to which they may still be on the way.
+  [[nodiscard]] ArmPosture posture() const {
+    return {&arm_, {wanted_.data(), wanted_.data() + wanted_.size()}};
+  }
+
   /// Starts at a pose of the mount, in the branch of the inverse kinematics from which most of the
   /// tour can be followed. It need not be the branch in which the arm stands: bring it to these
   /// joints, slowly, before the first follow().

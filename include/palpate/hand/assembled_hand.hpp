@@ -44,6 +44,7 @@ class Arm {
     return {};
   }
   [[nodiscard]] virtual MountLimits mount_limits() const { return {}; }
+  [[nodiscard]] virtual ArmPosture arm_posture() const { return {}; }
 };
 
 /// A tactile sensor of one fingertip.
@@ -93,6 +94,7 @@ class AssembledHand : public Hand {
   /// What the arm throws is thrown by the next step(), which then moves nothing.
   [[nodiscard]] PathFeasibility check_path(std::span<const MountPosition> way) const override;
   [[nodiscard]] MountLimits mount_limits() const override;
+  [[nodiscard]] ArmPosture arm_posture() const override;
 
  private:
   struct Part {

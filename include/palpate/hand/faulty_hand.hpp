@@ -82,6 +82,7 @@ class FaultyHand : public Hand {
     return hand_.check_path(way);
   }
   [[nodiscard]] MountLimits mount_limits() const override { return hand_.mount_limits(); }
+  [[nodiscard]] ArmPosture arm_posture() const override { return hand_.arm_posture(); }
 
   /// Largest load of the mount so far, N.
   double peak_load() const { return peak_load_; }

@@ -77,6 +77,14 @@ struct MountLimits {
   double guarded_speed = std::numeric_limits<double>::infinity();      ///< m/s, towards a touch
 };
 
+struct ArmDescription;
+
+/// How an arm holds the mount.
+struct ArmPosture {
+  const ArmDescription* arm = nullptr;  ///< none: only the mount is known
+  std::vector<double> joints;           ///< rad, as commanded
+};
+
 /// A hand with tactile fingertips on a 6-DoF mount, simulated or real. What moves the mount is the
 /// hand's own matter: a free-flying drive, or an arm (hand::ArmFollower). All calls are of one
 /// thread; what they throw stops the robot.
@@ -100,6 +108,10 @@ class Hand {
   }
 
   [[nodiscard]] virtual MountLimits mount_limits() const { return {}; }
+
+  /// The arm that carries the mount, for plans in the space of its joints. Of a hand that does not
+  /// tell it, only the ways that check_path() accepts are taken.
+  [[nodiscard]] virtual ArmPosture arm_posture() const { return {}; }
 };
 
 }  // namespace palpate::hand

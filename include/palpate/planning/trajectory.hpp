@@ -82,4 +82,14 @@ std::vector<PathPiece> rounded(const std::vector<Coordinates>& corners,
 std::vector<Coordinates> time_path(const std::vector<PathPiece>& path, const MotionLimits& limits,
                                    const Coordinates& metric, double dt = hand::kTick);
 
+/// Largest speed and acceleration of each coordinate.
+struct CoordinateLimits {
+  Coordinates speed, acceleration;
+};
+
+/// The same for any coordinates, such as an arm's joints.
+std::vector<Coordinates> time_path(const std::vector<PathPiece>& path,
+                                   const CoordinateLimits& limits, const Coordinates& metric,
+                                   double dt = hand::kTick);
+
 }  // namespace palpate::planning

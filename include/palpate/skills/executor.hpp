@@ -15,6 +15,7 @@
 #include "palpate/hand/hand.hpp"
 #include "palpate/hand/kinematics.hpp"
 #include "palpate/localization/posterior.hpp"
+#include "palpate/planning/arm_planner.hpp"
 #include "palpate/skills/finger_trust.hpp"
 #include "palpate/skills/forward_model.hpp"
 #include "palpate/skills/load_sensor.hpp"
@@ -47,7 +48,7 @@ class Unreachable : public std::runtime_error {
 };
 
 /// Straight lines along which the mount can be brought to some positions, one after the other.
-struct MountWay {
+struct MountPath {
   std::vector<hand::MountPosition> corners;  ///< their ends, with those positions
   std::string obstacle;                      ///< why there is no such way; empty: there is one
 };
@@ -147,10 +148,14 @@ class Executor {
   /// How the mount can be brought to targets from where it is commanded to be. Where an arm cannot
   /// take it to the first one on a straight line, it turns first and then moves, or the other way
   /// round. What the hand throws in judging is as of obstacle().
-  [[nodiscard]] MountWay way_to(std::vector<hand::MountPosition> targets) const;
+  [[nodiscard]] MountPath path_to(std::vector<hand::MountPosition> targets) const;
+
+  /// The arm that carries the hand, as commanded; nothing where the hand does not tell it. What the
+  /// hand throws is as of obstacle().
+  [[nodiscard]] std::optional<planning::ArmStart> arm_start() const;
 
   /// Moves the mount on a straight line (m/s; it turns along in proportion), until there or `stop`;
-  /// without `stop` along way_to().
+  /// without `stop` along path_to().
   /// Where the arm's joints are slower than that, it takes longer. A speed that is not positive and
   /// finite, or that takes longer than the log, is a fault (invalid_command). @throws Unreachable
   MotionEnd move_mount(const hand::MountPosition& target, double speed,

@@ -226,7 +226,8 @@ std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& obje
                                                const Eigen::Isometry3d& T_world_object,
                                                const std::vector<ProbingFinger>& fingers,
                                                const std::vector<GuardedMove>& guarded_moves,
-                                               const std::vector<TurnedMove>& done) {
+                                               const std::vector<TurnedMove>& done,
+                                               double worthwhile) {
   Matrix9d known = information_before();
   for (const TurnedMove& guarded_move : done) {
     const auto gained = information_of(object, T_world_object, fingers[guarded_move.turn],
@@ -241,6 +242,7 @@ std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& obje
       const auto gained = information_of(object, T_world_object, fingers[turn], guarded_move);
       if (!gained) continue;
       const double after = spread_of(known + *gained);
+      if (after > worthwhile * before) continue;
       const double rate = (before - after) / fingers[turn].seconds;
       if (best && rate <= best_rate) continue;
       best = {{guarded_move, turn}, before, after};

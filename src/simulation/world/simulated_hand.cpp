@@ -100,6 +100,10 @@ hand::MountLimits SimulatedHand::mount_limits() const {
   return follower_ ? follower_->arm().limits : limits_;
 }
 
+hand::ArmPosture SimulatedHand::arm_posture() const {
+  return follower_ ? follower_->posture() : hand::ArmPosture{};
+}
+
 hand::PathFeasibility SimulatedHand::check_path(std::span<const hand::MountPosition> way) const {
   if (!follower_) return {};
   std::vector<hand::MountPosition> in_world;

@@ -26,6 +26,7 @@ class SimulatedHand : public hand::Hand {
   [[nodiscard]] hand::PathFeasibility check_path(
       std::span<const hand::MountPosition> way) const override;
   [[nodiscard]] hand::MountLimits mount_limits() const override;
+  [[nodiscard]] hand::ArmPosture arm_posture() const override;
 
   /// The scene's arm carries the hand, instead of a floating mount.
   void mount_on(const hand::ArmDescription& arm) { follower_.emplace(arm); }

@@ -36,7 +36,7 @@ constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may l
 constexpr double kBackOff = 0.015;    // m
 constexpr double kEarlier = 0.015;    // m before the expected touch, from where a move is slow
 constexpr double kOverTop = 0.005;    // m over the object, from where coming down is slower
-constexpr double kRunUp = 0.01;       // m of a guarded move before that, which is fast
+constexpr double kRunUp = 0.02;       // m of a guarded move before that, which is fast
 constexpr double kPast = 0.03;        // m behind the last place where a touch is expected
 constexpr double kSettle = 0.08;      // s of standing still before a guarded move
 constexpr double kGuardedMoveTime = 9;  // s that a guarded move takes with its travel, amply
@@ -217,11 +217,12 @@ int ExplorePhase::disambiguate(Executor& robot, PickState& state) {
       const auto best = localization::most_informative_move(
           possible_objects(estimator_), probing_finger(robot, pointing(robot), yaw(other)),
           left[other]);
-      if (!best || (choice && best->rate <= choice->rate)) continue;
+      if (!best || best->information < kMinInformation) continue;
+      if (choice && best->rate <= choice->rate) continue;
       choice = best;
       turn = other;
     }
-    if (!choice || choice->information < kMinInformation) break;
+    if (!choice) break;
     touches += guarded_move(robot, state, {choice->guarded_move, turn}) == GuardedMoveEnd::touched;
     left[turn].erase(left[turn].begin() + static_cast<std::ptrdiff_t>(choice->index));
     estimate(robot, state);
@@ -241,10 +242,8 @@ int ExplorePhase::refine(Executor& robot, PickState& state) {
         estimator_.object(), state.resting->modes[0].T_frame_object,
         {probing_finger(robot, pointing(robot), yaw(0)),
          probing_finger(robot, pointing(robot), yaw(1))},
-        guarded_moves, done_);
-    if (!choice || choice->before < kGoodSpread || choice->after > kWorthwhile * choice->before) {
-      break;
-    }
+        guarded_moves, done_, kWorthwhile);
+    if (!choice || choice->before < kGoodSpread) break;
     touches += guarded_move(robot, state, choice->guarded_move) == GuardedMoveEnd::touched;
   }
   if (touches > 0) {

@@ -7,7 +7,7 @@ namespace palpate::skills {
 namespace {
 
 constexpr double kMoveSeconds = 2.0;       // s, about, of a guarded move with its travel
-constexpr double kSecondsPerRadian = 0.4;  // s by which a turn of the hand delays it
+constexpr double kSecondsPerRadian = 0.4;  // s by which a turn of the hand delays its travel
 
 /// Centre of the probing fingertip in the mount's frame, by the posture read.
 Eigen::Vector3d probe_in_mount(const Executor& robot, const hand::PointingHand& pointing) {

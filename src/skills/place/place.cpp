@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
 #include <utility>
 
-#include "estimation/height_likelihood.hpp"
 #include "palpate/core/angle.hpp"
 #include "palpate/core/gravity.hpp"
 #include "palpate/estimation/mean_load.hpp"
@@ -18,27 +16,22 @@
 #include "skills/explore/extents.hpp"
 #include "skills/last_contacts.hpp"
 #include "skills/phase_sequence.hpp"
+#include "skills/place/arm_reach.hpp"
 #include "skills/place/standing.hpp"
 #include "skills/place/turn_plan.hpp"
+#include "skills/place/verify_phase.hpp"
 #include "skills/release/release_phase.hpp"
 
 namespace palpate::skills {
 namespace {
 
 constexpr const char* kPlace = "place";  // the phase that puts it at the target
-constexpr double kWrongHeight = 0.015;  // m: measured that far from what was expected, it fell over
-constexpr double kUnknownHeight = 0.1;  // m, by which a turned hand may have to go lower
+constexpr double kUnknownHeight = 0.1;   // m, by which a turned hand may have to go lower
 
 planning::CollisionOptions held_collisions() {
   planning::CollisionOptions options;
   options.self = false;  // the fingers of a closed hand touch each other
   return options;
-}
-
-double top_of(const geometry::TriangleMesh& mesh, const Eigen::Isometry3d& T) {
-  double top = -std::numeric_limits<double>::infinity();
-  for (const auto& v : mesh.vertices) top = std::max(top, (T * v).z());
-  return top;
 }
 
 /// A share that falls short of a limit is not to read as if it reached it.
@@ -56,34 +49,6 @@ class ComputePhase : public Phase {
  private:
   std::string_view name_;
   std::function<PhaseEnd()> compute_;
-};
-
-/// Probes from above whether the object stands where it was put.
-class VerifyPhase : public Phase {
- public:
-  VerifyPhase(const PickOptions& options, const geometry::KnownObject& object,
-              const Eigen::Isometry3d& T_world_object)
-      : options_(options.height_probe), object_(object), T_world_object_(T_world_object) {
-    options_.search = 0;
-  }
-  std::string_view name() const override { return "verify"; }
-  double time_limit() const override { return 30.0; }
-  PhaseEnd run(Executor& robot, PickState& state) override {
-    const double top = top_of(object_.mesh, T_world_object_);
-    const PhaseEnd probed = HeightProbePhase(options_, top).run(robot, state);
-    const double expected =
-        estimation::stopping_height(object_, T_world_object_, robot.model(), robot.reading());
-    if (!probed.ok && expected < options_.clearance) return {true, "it fits between the fingers"};
-    if (!probed.ok) return {false, "found nothing where the object was put"};
-    const double off = state.height - expected;
-    return {std::abs(off) < kWrongHeight,
-            fmt::format("stopped {:+.1f} mm from where the object should stop it", 1e3 * off)};
-  }
-
- private:
-  HeightProbeOptions options_;
-  const geometry::KnownObject& object_;
-  Eigen::Isometry3d T_world_object_;
 };
 
 /// One placing, step by step.
@@ -217,9 +182,7 @@ std::string Placement::lean_text() const {
 
 GoalSearch Placement::search_goal(const HeldObject& held) {
   return find_goal(object_, held, result_.T_world_target, robot_.reading(), *scene_, options_.goal,
-                   [&](const PlaceGoal& goal) {
-                     return robot_.way_to({goal.above, goal.mount}).obstacle;
-                   });
+                   [&](const PlaceGoal& goal) { return arm_obstacle(robot_, goal); });
 }
 
 /// Rotates the object by the fingers, then plans the goal again for the pose that the tracker
@@ -263,6 +226,7 @@ bool Placement::carry(std::string name) {
   TransportPhase transport(options_.transport, *scene_, *result_.goal, task_.seed, std::move(name));
   const bool there = sequence_.run(transport);
   if (result_.motion.samples.empty()) result_.motion = transport.motion();
+  result_.goal = transport.goal();
   if (there) return true;
   const bool moved = transport.motion().status == planning::PlanStatus::ok;
   fail(transport.lost()           ? PlaceStatus::lost
@@ -287,6 +251,7 @@ bool Placement::replan_goal() {
     options.motion_angle_sigma *= options_.turned_motion;
   }
   std::optional<PlaceGoal> goal;
+  PlaceStatus status = PlaceStatus::slipped;
   const bool ok = sequence_.run(ComputePhase("replan-goal", [&]() -> PhaseEnd {
     state_.estimate =
         estimation::PoseEstimator(task_.object, options, task_.seed).held(robot_.model(), log, now);
@@ -296,6 +261,7 @@ bool Placement::replan_goal() {
     const GoalSearch search = search_goal(*held);
     result_.held = *held;
     goal = search.goal;
+    if (search.out_of_reach) status = PlaceStatus::unreachable;
     if (!goal) return {false, "unreachable, as it has moved in the hand: " + search.obstacle};
     const Eigen::Isometry3d by = goal->mount.pose() * result_.goal->mount.pose().inverse();
     return {true, fmt::format("the goal of the hand moves by {:.1f} mm and {:.1f} deg",
@@ -303,7 +269,7 @@ bool Placement::replan_goal() {
                               kDegreesPerRadian * Eigen::AngleAxisd(by.linear()).angle())};
   }));
   if (!ok) {
-    fail(PlaceStatus::slipped);
+    fail(status);
     put_back();
   }
   if (!goal) return ok;
@@ -354,6 +320,7 @@ void Placement::put_back() {
   goal.T_world_object = goal.mount.pose() * goal.T_mount_object;
   TransportPhase carry(options_.transport, *scene_, goal, task_.seed, "carry-back");
   const bool there = sequence_.run(carry);
+  goal = carry.goal();
   if (carry.lost()) {
     fail(PlaceStatus::lost);
     return;
@@ -387,7 +354,7 @@ void Placement::execute() {
   result_.status = PlaceStatus::placed;
   if (!options_.verify) return;
   state_.place = result_.T_world_placed->translation().head<2>();
-  if (sequence_.run(VerifyPhase(task_.pick, object_, *result_.T_world_placed))) return;
+  if (sequence_.run(VerifyPhase(task_.pick.height_probe, object_, *result_.T_world_placed))) return;
   if (!out_of_reach()) fail(PlaceStatus::missing);  // else the phase's outcome says why
 }
 

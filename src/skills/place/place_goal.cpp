@@ -4,11 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <utility>
 
 #include "palpate/core/angle.hpp"
 #include "palpate/hand/hand.hpp"
@@ -20,7 +18,9 @@ namespace {
 
 constexpr double kSettles = 30 * std::numbers::pi / 180;        // rad: more than a grasp tilts
 constexpr double kSameStablePose = 3 * std::numbers::pi / 180;  // rad
-constexpr double kFullTurn = 2 * std::numbers::pi;              // rad
+constexpr double kAlike = 10 * std::numbers::pi / 180;          // rad
+constexpr int kStepsDown = 20;
+constexpr double kFullTurn = 2 * std::numbers::pi;  // rad
 
 std::string obstacle_at(const hand::MountPosition& mount, const GoalOptions& options) {
   if (mount.xyz.head<2>().cwiseAbs().maxCoeff() > options.reach) {
@@ -53,47 +53,46 @@ double turn_between(const hand::MountPosition& a, const hand::MountPosition& b) 
   return (a.ypr - b.ypr).norm();
 }
 
-/// One goal for each symmetry of the object, that with the least turn of the mount first.
-std::vector<PlaceGoal> equal_goals(const geometry::KnownObject& object,
+/// A goal and the symmetry of the object that it comes from.
+struct EqualGoal {
+  PlaceGoal goal;
+  std::size_t symmetry = 0;
+};
+
+/// Goals for each symmetry of the object, that with the least turn of the mount first.
+/// @param turns  of the mount in yaw by which they may differ, rad
+std::vector<EqualGoal> equal_goals(const geometry::KnownObject& object,
                                    const Eigen::Isometry3d& T_mount_object,
                                    const Eigen::Isometry3d& T_world_target,
-                                   const hand::MountPosition& now, double rise) {
-  std::vector<PlaceGoal> goals;
-  for (const auto& S : object.symmetries) {
+                                   const hand::MountPosition& now, double rise,
+                                   const std::vector<double>& turns) {
+  std::vector<EqualGoal> goals;
+  for (std::size_t i = 0; i < object.symmetries.size(); ++i) {
     PlaceGoal goal;
     goal.T_mount_object = T_mount_object;
     goal.T_world_object = T_world_target;
-    goal.T_world_object.linear() = T_world_target.linear() * S;
-    goal.mount = hand::nearest_mount(goal.T_world_object * T_mount_object.inverse(), now);
-    goal.above = raised(goal.mount, rise);
-    goals.push_back(goal);
+    goal.T_world_object.linear() = T_world_target.linear() * object.symmetries[i];
+    const hand::MountPosition mount =
+        hand::nearest_mount(goal.T_world_object * T_mount_object.inverse(), now);
+    for (const double turn : turns) {
+      goal.mount = mount;
+      goal.mount.ypr.x() += turn;
+      goal.above = raised(goal.mount, rise);
+      goals.push_back({goal, i});
+    }
   }
-  std::stable_sort(goals.begin(), goals.end(), [&](const PlaceGoal& a, const PlaceGoal& b) {
-    return turn_between(a.mount, now) < turn_between(b.mount, now);
+  std::stable_sort(goals.begin(), goals.end(), [&](const EqualGoal& a, const EqualGoal& b) {
+    return turn_between(a.goal.mount, now) < turn_between(b.goal.mount, now);
   });
   return goals;
 }
 
-/// The same goal, and those with a full turn more or less of the mount.
-std::array<PlaceGoal, 3> either_way_round(const PlaceGoal& goal) {
-  std::array<PlaceGoal, 3> goals = {goal, goal, goal};
-  for (const auto& [i, turn] : {std::pair(1, kFullTurn), std::pair(2, -kFullTurn)}) {
-    goals[i].mount.ypr.x() += turn;
-    goals[i].above.ypr.x() += turn;
-  }
-  return goals;
-}
-
-/// The goal to which the arm can bring the hand.
-std::optional<PlaceGoal> within_reach(const PlaceGoal& goal, const GoalObstacle& arm_obstacle,
-                                      std::string& obstacle) {
-  if (!arm_obstacle) return goal;
-  for (const PlaceGoal& way_round : either_way_round(goal)) {
-    const std::string found = arm_obstacle(way_round);
-    if (found.empty()) return way_round;
-    if (obstacle.empty()) obstacle = found;
-  }
-  return std::nullopt;
+/// Whether one of the positions differs by a small turn only: an arm can take neither or both.
+bool any_alike(const std::vector<hand::MountPosition>& positions,
+               const hand::MountPosition& mount) {
+  return std::ranges::any_of(positions, [&](const hand::MountPosition& other) {
+    return turn_between(other, mount) < kAlike;
+  });
 }
 
 /// Why the hand cannot come down there with these joints; empty: it can.
@@ -153,17 +152,36 @@ GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held
       search.same_stable_pose ? held.T_mount_object_flat : held.T_mount_object;
   const hand::JointVector joints = plannable(scene.hand(), now.joints);
   scene.hold(scene.palm_pose(hand::MountPosition{}, joints).inverse() * T_mount_object);
-  for (const PlaceGoal& goal :
-       equal_goals(object, T_mount_object, T_world_target, now.mount, options.rise)) {
-    std::string obstacle = obstacle_to(goal, joints, scene, options);
-    if (obstacle.empty()) search.goal = within_reach(goal, arm_obstacle, obstacle);
-    if (search.goal) {
+  const std::vector<double> turns =
+      arm_obstacle ? std::vector<double>{0, kFullTurn, -kFullTurn} : std::vector<double>{0};
+  std::vector<std::optional<std::string>> in_the_way(object.symmetries.size());
+  std::vector<hand::MountPosition> out_of_reach;
+  for (const auto& [goal, symmetry] :
+       equal_goals(object, T_mount_object, T_world_target, now.mount, options.rise, turns)) {
+    auto& obstacle = in_the_way[symmetry];
+    if (!obstacle) obstacle = obstacle_to(goal, joints, scene, options);
+    if (search.obstacle.empty()) search.obstacle = *obstacle;
+    if (!obstacle->empty() || any_alike(out_of_reach, goal.mount)) continue;
+    const std::string of_arm = arm_obstacle ? arm_obstacle(goal) : "";
+    if (of_arm.empty()) {
+      search.goal = goal;
       search.goal->sunk = sunk_in_hand(object, held, goal);
+      search.out_of_reach = false;
       return search;
     }
-    if (search.obstacle.empty()) search.obstacle = obstacle;
+    if (!search.out_of_reach) search.obstacle = of_arm;
+    search.out_of_reach = true;
+    out_of_reach.push_back(goal.mount);
   }
   return search;
+}
+
+std::vector<hand::MountPosition> path_down(const PlaceGoal& goal) {
+  std::vector<hand::MountPosition> way;
+  for (int i = 0; i <= kStepsDown; ++i) {
+    way.push_back(between(goal.above, goal.mount, static_cast<double>(i) / kStepsDown));
+  }
+  return way;
 }
 
 hand::JointVector plannable(const hand::Description& hand, const hand::JointVector& joints) {

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "palpate/skills/place/pick_and_place.hpp"
+#include "skills/place/arm_reach.hpp"
 
 namespace palpate::skills {
 namespace {
@@ -38,7 +39,10 @@ class Transfers {
         tool_(regrasp_tool(robot.model())) {
     task_.pick = firm_enough(task.pick, turned_over(task.target), task.place);
     tool_.reaches = [this](const hand::MountPosition& mount) {
-      return robot_.way_to({mount}).obstacle.empty();
+      return robot_.path_to({mount}).obstacle.empty();
+    };
+    tool_.releases = [this](const hand::MountPosition& mount) {
+      return skills::releases(robot_, mount, task_.place.goal.rise);
     };
     options_.plan.grasp.press = pressure(task_.pick.grasp, task.object.object());
   }

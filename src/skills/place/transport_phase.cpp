@@ -8,6 +8,7 @@
 
 #include "estimation/slip.hpp"
 #include "palpate/estimation/mean_load.hpp"
+#include "palpate/hand/nearest_mount.hpp"
 #include "palpate/hand/tip_forces.hpp"
 #include "skills/motion/stretched_way.hpp"
 #include "skills/place/weight_bearing.hpp"
@@ -32,10 +33,19 @@ double lag_of(std::span<const hand::HandReading> readings,
   return most;
 }
 
+/// A goal whose angles differ from the mount's by less than a turn.
+PlaceGoal as_the_mount_stands(PlaceGoal goal, const hand::MountPosition& mount) {
+  if ((goal.above.ypr - mount.ypr).cwiseAbs().maxCoeff() < std::numbers::pi) return goal;
+  goal.above = hand::nearest_mount(goal.above.pose(), mount);
+  goal.mount = hand::nearest_mount(goal.mount.pose(), goal.above);
+  return goal;
+}
+
 std::string why_no_path(const planning::Plan& motion) {
   if (motion.status != planning::PlanStatus::invalid) return "no free path";
   const auto& fault = motion.invalid.front();
-  return fmt::format("{}: {}", fault.waypoint == 0 ? "at the start" : "over the target",
+  return fmt::format("{}: {}",
+                     fault.waypoint == 0 ? "at the start" : "on the way or over the target",
                      fault.reason);
 }
 
@@ -57,6 +67,25 @@ std::vector<hand::HandCommand> TransportPhase::commands(const Executor& robot,
   return way;
 }
 
+/// On straight lines of the mount if what carries the hand can follow them, and then come down.
+planning::Plan TransportPhase::planned(const Executor& robot, const hand::MountPosition& from,
+                                       const hand::MountPosition& yielded) const {
+  const hand::JointVector joints = plannable(robot.model(), robot.reading().joints);
+  MountPath path = robot.path_to({goal_.above, goal_.mount});
+  auto arm = robot.arm_start();
+  if (!path.obstacle.empty() && arm) {
+    arm->mount = from;
+    return planning::plan_with_arm(*arm, path_down(goal_), joints, scene_, options_.plan, seed_);
+  }
+  std::vector<planning::Waypoint> stops = {{from, joints}};
+  for (std::size_t i = 0; i + 2 < path.corners.size(); ++i) {
+    const hand::MountPosition& corner = path.corners[i];
+    stops.push_back({{corner.xyz - yielded.xyz, corner.ypr - yielded.ypr}, joints});
+  }
+  stops.push_back({goal_.above, joints});
+  return planning::plan(stops, scene_, options_.plan, seed_);
+}
+
 PhaseEnd TransportPhase::run(Executor& robot, PickState& state) {
   const double load = estimation::mean_load(robot.log());
   const hand::MountPosition measured = estimation::mean_mount(robot.log());
@@ -64,9 +93,7 @@ PhaseEnd TransportPhase::run(Executor& robot, PickState& state) {
                                        robot.command().mount.ypr - measured.ypr};
   const hand::JointVector joints = plannable(robot.model(), robot.reading().joints);
   scene_.hold(scene_.palm_pose(hand::MountPosition{}, joints).inverse() * goal_.T_mount_object);
-  std::vector<planning::Waypoint> stops = {{measured, joints}};
-  for (const auto& corner : robot.way_to({goal_.above}).corners) stops.push_back({corner, joints});
-  motion_ = planning::plan(stops, scene_, options_.plan, seed_);
+  motion_ = planned(robot, measured, yielded);
   if (motion_.status != planning::PlanStatus::ok) return {false, why_no_path(motion_)};
 
   const std::vector<hand::HandCommand> way = commands(robot, yielded);
@@ -77,6 +104,7 @@ PhaseEnd TransportPhase::run(Executor& robot, PickState& state) {
     return untouched >= options_.lost_ticks;
   };
   const bool dropped_on_way = robot.follow(way, dropped) == MotionEnd::stopped;
+  goal_ = as_the_mount_stands(goal_, robot.command().mount);
   const std::size_t ticks = robot.log().readings.size() - 1 - start;
   lost_ = dropped_on_way || robot.wait(options_.settle, dropped) == MotionEnd::stopped;
   const double now = estimation::mean_load(robot.log());

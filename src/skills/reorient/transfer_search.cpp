@@ -12,6 +12,7 @@ namespace palpate::skills {
 namespace {
 
 constexpr std::size_t kCompared = 12;
+constexpr std::size_t kAskedFor = 100;  // holds, whether the hand can be brought there
 constexpr std::array<double, 4> kRise = {0.1, 0.3, 0.6, 1.0};  // shares of the retreat
 constexpr float kFree = 0.002f;  // m, between the rising hand and the object
 
@@ -45,6 +46,7 @@ std::vector<Hold> holds_of(const geometry::ObjectModel& object, const GraspTool&
       if (grasp.cost > options.worst_grasp) continue;
       const Eigen::Isometry3d T_mount_world = grasp.mount.pose().inverse();
       Hold hold;
+      hold.mount = grasp.mount;
       hold.T_mount_object = T_mount_world * T_world_object;
       hold.spheres = room_of(tool.path, grasp);
       hold.grasp = std::move(grasp);
@@ -57,6 +59,7 @@ std::vector<Hold> holds_of(const geometry::ObjectModel& object, const GraspTool&
 Hold hold_of(const hand::Description& hand, const Holding& holding,
              const Eigen::Isometry3d& T_world_object) {
   Hold hold;
+  hold.mount = holding.mount;
   hold.T_mount_object = holding.mount.pose().inverse() * T_world_object;
   const auto T_mount_link = hand::forward_kinematics(hand, holding.joints);
   for (const auto& sphere : hand.spheres) {
@@ -124,13 +127,13 @@ double TransferSearch::cost(const Hold& hold) const {
 
 /// The mount where the hand lets go.
 hand::MountPosition TransferSearch::release(const Hold& hold) const {
-  return hand::nearest_mount(to_ * hold.T_mount_object.inverse(),
-                             hold.grasp ? hold.grasp->mount : hand::MountPosition{});
+  return hand::nearest_mount(to_ * hold.T_mount_object.inverse(), hold.mount);
 }
 
 bool TransferSearch::reachable(const Choice& choice) const {
   const Hold& hold = *choice.hold;
-  return (!hold.grasp || tool_.reaches(hold.grasp->mount)) && tool_.reaches(release(hold));
+  if (!hold.reachable) hold.reachable = !hold.grasp || tool_.reaches(hold.mount);
+  return *hold.reachable && tool_.releases(release(hold));
 }
 
 Transfer TransferSearch::transfer(const Choice& choice) const {
@@ -145,7 +148,7 @@ Transfer TransferSearch::transfer(const Choice& choice) const {
   return transfer;
 }
 
-std::optional<Transfer> TransferSearch::cheapest(const std::vector<Hold>& holds, bool placed) {
+std::optional<Transfer> TransferSearch::cheapest(const std::vector<Hold>& holds, bool from_start) {
   std::vector<Choice> choices;
   for (const Hold& hold : holds) {
     const double above = clearance(hold);
@@ -157,13 +160,13 @@ std::optional<Transfer> TransferSearch::cheapest(const std::vector<Hold>& holds,
   if (choices.empty()) return std::nullopt;
   const auto cheaper = [](const Choice& a, const Choice& b) { return a.cost < b.cost; };
   std::stable_sort(choices.begin(), choices.end(), cheaper);
-  if (placed && tool_.reaches) {
+  if (from_start && tool_.reaches && tool_.releases) {
     std::vector<Choice> reached;
-    for (std::size_t i = 0; i < choices.size() && reached.size() < kCompared; ++i) {
-      if (reachable(choices[i])) reached.push_back(choices[i]);
+    for (std::size_t i = 0; i < std::min(choices.size(), kAskedFor); ++i) {
+      if (reached.size() < kCompared && reachable(choices[i])) reached.push_back(choices[i]);
     }
-    out_of_reach_ = reached.size() < std::min(choices.size(), kCompared);
-    if (reached.empty()) return std::nullopt;
+    out_of_reach_ = reached.empty();
+    if (out_of_reach_) return std::nullopt;
     choices = std::move(reached);
   }
   choices.resize(std::min(choices.size(), kCompared));

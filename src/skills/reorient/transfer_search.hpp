@@ -10,8 +10,10 @@ namespace palpate::skills {
 /// A way to hold the object, and the room that the hand takes up.
 struct Hold {
   std::optional<grasping::GraspPlan> grasp;  ///< none: the hand holds it already
+  hand::MountPosition mount;
   Eigen::Isometry3d T_mount_object = Eigen::Isometry3d::Identity();
-  std::vector<Eigen::Vector4f> spheres;  ///< mount's frame: closed, but for the fingers' ways
+  std::vector<Eigen::Vector4f> spheres;   ///< mount's frame: closed, but for the fingers' ways
+  mutable std::optional<bool> reachable;  ///< whether the hand can be brought there, once asked
 };
 
 /// The grasps of an object at rest that are good enough.
@@ -33,12 +35,13 @@ class TransferSearch {
   /// symmetries allow.
   void set_goal(const Eigen::Isometry3d& T_world_to, bool free_yaw);
 
-  /// @param placed  whether the poses are where they will be, so that the hand has to reach them
-  std::optional<Transfer> cheapest(const std::vector<Hold>& holds, bool placed);
+  /// @param from_start  whether the poses are where the object is and will be, so that the hand has
+  ///        to reach them
+  std::optional<Transfer> cheapest(const std::vector<Hold>& holds, bool from_start);
 
   /// Largest of the holds' clearances, m.
   [[nodiscard]] double largest_clearance() const { return largest_clearance_; }
-  /// Whether holds were left out because the hand cannot be brought there.
+  /// Whether there is a hold, but none to which and with which the hand can be brought.
   [[nodiscard]] bool out_of_reach() const { return out_of_reach_; }
 
  private:

@@ -26,7 +26,7 @@ struct InformativeMove {
   GuardedMove guarded_move;
   std::size_t index = 0;   ///< of it among the guarded moves
   double information = 0;  ///< probability that two draws from the poses are distinguished
-  double rate = 0;         ///< information a second
+  double rate = 0;         ///< information per second
 };
 
 /// An object that it may be, and its poses, which weigh as much as it is probable.
@@ -80,11 +80,13 @@ struct RefiningMove {
 ///
 /// @param fingers  the probing finger for each turn of the hand
 /// @param done     the guarded moves made so far
-/// @return nothing if no guarded move touches the object
+/// @param worthwhile  largest share of the error that a move may leave
+/// @return nothing if no such guarded move touches the object
 std::optional<RefiningMove> most_refining_move(const geometry::ObjectModel& object,
                                                const Eigen::Isometry3d& T_world_object,
                                                const std::vector<ProbingFinger>& fingers,
                                                const std::vector<GuardedMove>& guarded_moves,
-                                               const std::vector<TurnedMove>& done);
+                                               const std::vector<TurnedMove>& done,
+                                               double worthwhile = 1);
 
 }  // namespace palpate::localization

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "palpate/estimation/event_log.hpp"
 #include "palpate/localization/consensus.hpp"
@@ -39,7 +40,8 @@ std::optional<HeldObject> held_object(const geometry::KnownObject& object,
 
 struct GoalSearch {
   std::optional<PlaceGoal> goal;
-  std::string obstacle;  ///< why there is none: what would collide, or be out of reach
+  bool out_of_reach = false;  ///< what carries the hand cannot bring it to a goal that is free
+  std::string obstacle;       ///< why there is none: what would collide, or be out of reach
   bool same_stable_pose =
       false;  ///< the target asks for the stable pose in which the object was found
 };
@@ -60,6 +62,9 @@ struct GoalOptions {
   }
 };
 
+/// Of the mount, from over a goal down to it.
+std::vector<hand::MountPosition> path_down(const PlaceGoal& goal);
+
 /// Why what carries the hand cannot bring it over a goal and down to it; empty: it can.
 using GoalObstacle = std::function<std::string(const PlaceGoal&)>;
 
@@ -69,7 +74,7 @@ using GoalObstacle = std::function<std::string(const PlaceGoal&)>;
 /// @param scene  with the object held in it
 /// @param now  where the mount is; joints: of the closed hand, rad
 /// @param arm_obstacle  of what carries the hand; where the least turn ends at a limit of its
-///        joints, the mount turns the other way round
+///        joints, the mount turns farther, or the other way round
 GoalSearch find_goal(const geometry::KnownObject& object, const HeldObject& held,
                      const Eigen::Isometry3d& T_world_target, const hand::HandReading& now,
                      planning::CollisionChecker& scene, const GoalOptions& options,

@@ -46,8 +46,9 @@ struct TransportOptions {
 
 /// Carries the held object over its goal along a planned path that is free of collisions (thesis
 /// section 2.2.1) for the hand and for the object at its ESTIMATED pose. Only the mount moves; the
-/// fingers keep pressing, and bear the weight wherever it pulls as the hand turns. Loss and slip
-/// are noticed by touch and load.
+/// fingers keep pressing, and bear the weight wherever it pulls as the hand turns. Where an arm
+/// cannot follow straight lines, the path is planned in the space of its joints. Loss and slip are
+/// noticed by touch and load.
 class TransportPhase : public Phase {
  public:
   /// @param scene  with the held object in it
@@ -61,8 +62,12 @@ class TransportPhase : public Phase {
   bool lost() const { return lost_; }
   /// The motion that was planned; empty samples if there was none.
   const planning::Plan& motion() const { return motion_; }
+  /// The same, with the angles of a mount that an arm has brought there the other way round.
+  const PlaceGoal& goal() const { return goal_; }
 
  private:
+  planning::Plan planned(const Executor& robot, const hand::MountPosition& from,
+                         const hand::MountPosition& yielded) const;
   std::vector<hand::HandCommand> commands(const Executor& robot,
                                           const hand::MountPosition& yielded) const;
 

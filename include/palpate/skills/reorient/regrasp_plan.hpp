@@ -15,8 +15,9 @@ namespace palpate::skills {
 struct GraspTool {
   grasping::ClosingTrajectory path;
   std::vector<hand::Attitude> attitudes;  ///< of the mount
-  /// Whether what carries the hand can bring it there; empty: everywhere.
-  std::function<bool(const hand::MountPosition&)> reaches = {};
+  /// Whether what carries the hand can bring it to a grasp, and, holding the object, to where it
+  /// lets go; empty: everywhere.
+  std::function<bool(const hand::MountPosition&)> reaches = {}, releases = {};
 };
 
 /// The tool of the grasps from above, at the attitudes from which an object can then be turned far.

@@ -25,6 +25,7 @@ class BiotacHand : public hand::Hand {
     return hand_.check_path(way);
   }
   [[nodiscard]] hand::MountLimits mount_limits() const override { return hand_.mount_limits(); }
+  [[nodiscard]] hand::ArmPosture arm_posture() const override { return hand_.arm_posture(); }
 
  private:
   hand::Hand& hand_;
