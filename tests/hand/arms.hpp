@@ -17,7 +17,7 @@ inline ArmDescription six_hinges() {
                {"fore", 1, offset(0.5), y, 2},  {"wrist_1", 2, offset(0.5), z, 3},
                {"wrist_2", 3, offset(0), y, 4}, {"wrist_3", 4, offset(0.1), z, 5}};
   for (const char* name : {"pan", "lift", "elbow", "roll", "pitch", "turn"}) {
-    arm.joints.push_back({name, {-3, 3}});
+    arm.joints.push_back({name, {-6.2, 6.2}});
   }
   arm.flange = 5;
   arm.T_world_stand.translation() << -0.6, 0, 0;

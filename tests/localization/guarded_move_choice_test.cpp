@@ -192,7 +192,7 @@ TEST(MostRefiningGuardedMove, DoesNotTurnTheHandWhereThatTakesTooLong) {
   ASSERT_TRUE(best);
   EXPECT_EQ(best->guarded_move.turn, 0U);
   const auto worthwhile = most_refining_move(box(), Eigen::Isometry3d::Identity(), fingers,
-                                             {kAlongX}, done, 0.999 * best->after / best->before);
+                                             {kAlongX}, done, (best->after - 0.1) / best->before);
   ASSERT_TRUE(worthwhile) << "the other one leaves less";
   EXPECT_EQ(worthwhile->guarded_move.turn, 1U);
 }

@@ -113,7 +113,7 @@ TEST(PlanWithArm, GoesAroundWhatIsInTheWay) {
     EXPECT_TRUE(is_free(holding.scene, plan.samples[i])) << i;
     highest = std::max(highest, plan.samples[i].mount.xyz.z());
   }
-  EXPECT_GT(highest, 0.2) << "over the plate";
+  EXPECT_GT(highest, 0.16) << "over the plate";
   expect_followed(holding, plan);
 }
 

@@ -123,13 +123,23 @@ TEST(TransportPhase, TurnsBeforeItMovesWhereTheArmCannotDoBoth) {
   EXPECT_LT((carrying.robot.command().mount.ypr - carrying.goal.above.ypr).norm(), 1e-9);
 }
 
+/// An arm whose last joint cannot turn straight to the goal: it has to take another posture.
+hand::ArmDescription with_a_limit_on_the_way(const PlaceGoal& goal) {
+  hand::ArmDescription arm = hand::six_hinges();
+  hand::ArmFollower follower(arm);
+  const hand::ArmVector start = follower.reset(Carrying::waiting().mount.pose());
+  const auto end = hand::inverse_kinematics(arm, goal.above.pose(), start);
+  const double from = start[5], to = end.value()[5];
+  hand::Range& range = arm.joints.back().range;
+  (to > from ? range.high : range.low) = (from + to) / 2;
+  return arm;
+}
+
 TEST(TransportPhase, IsPlannedForTheJointsOfAnArmThatCannotFollowLines) {
   for (const bool tells : {true, false}) {
     Carrying carrying({});
-    hand::ArmDescription arm = hand::six_hinges();
-    arm.joints.back().range = {-3, 0.5};  // it would have to turn by 0.8 rad
-    carrying.hand.arm.emplace(arm);
     carrying.hand.tells = tells;
+    carrying.hand.arm.emplace(with_a_limit_on_the_way(carrying.goal));
     carrying.hand.arm->reset(Carrying::waiting().mount.pose());
     ASSERT_FALSE(carrying.robot.path_to({carrying.goal.above}).obstacle.empty());
     const auto report = carrying.run();
