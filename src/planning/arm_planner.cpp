@@ -229,9 +229,11 @@ Plan plan_with_arm(const ArmStart& start, std::span<const hand::MountPosition> l
     plan.status = PlanStatus::no_path;
     plan.unreachable = 1;
   } else {
+    std::vector<Eigen::Isometry3d> vertices;
+    for (const Coordinates& corner : corners) vertices.push_back(carried.pose(corner));
+    plan.corners = commands_along(vertices, start.mount, joints, scene.hand());
     plan.samples = commands_along(timed(carried, corners, space.metric(), options.limits),
                                   start.mount, joints, scene.hand());
-    plan.corners = {plan.samples.front(), plan.samples.back()};
     plan.arrivals = {0, plan.samples.size() - 1};
   }
   plan.checks = space.checks();

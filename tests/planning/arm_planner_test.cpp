@@ -114,6 +114,7 @@ TEST(PlanWithArm, GoesAroundWhatIsInTheWay) {
     highest = std::max(highest, plan.samples[i].mount.xyz.z());
   }
   EXPECT_GT(highest, 0.16) << "over the plate";
+  EXPECT_GT(plan.corners.size(), 2U);
   expect_followed(holding, plan);
 }
 

@@ -213,7 +213,7 @@ TEST(PlanRegrasp, StartsFromTheHandThatHoldsTheObject) {
       plan.transfers.front().release.pose().isApprox(free.transfers.front().release.pose(), 1e-6));
 }
 
-TEST(PlanRegrasp, HasNothingToDoAtTheTarget) {
+TEST(PlanRegrasp, MovesNothingAtTheTarget) {
   const Table table("box");
   const auto at = table.resting({1, 0, 0}, 0.3, {0, 0});
   Eigen::Isometry3d turned = at;

@@ -206,6 +206,15 @@ TEST(TransportPhase, AGoalInTheTableIsNoGoal) {
   EXPECT_EQ(carrying.robot.command().mount.xyz, Carrying::waiting().mount.xyz);
 }
 
+/// 30 cm below the mount, as it lies in its first stable pose.
+HeldObject held_below(const geometry::KnownObject& object) {
+  HeldObject held;
+  held.T_mount_object_flat.translation() << 0, 0, -0.3;
+  held.T_mount_object_flat.linear() = object.stable_poses[0].R_table_object;
+  held.T_mount_object = held.T_mount_object_flat;
+  return held;
+}
+
 TEST(FindGoal, BringsTheObjectToTheTarget) {
   const auto box = geometry::load_known_object("box");
   Carrying carrying({});
@@ -229,10 +238,7 @@ TEST(FindGoal, BringsTheObjectToTheTarget) {
 TEST(FindGoal, TurnsTheOtherWayRoundWhereTheArmCannotGo) {
   const auto box = geometry::load_known_object("box");
   Carrying carrying({});
-  HeldObject held;
-  held.T_mount_object_flat.translation() << 0, 0, -0.3;
-  held.T_mount_object_flat.linear() = box.stable_poses[0].R_table_object;
-  held.T_mount_object = held.T_mount_object_flat;
+  const HeldObject held = held_below(box);
   const auto target = resting_pose(box, 0, {0.2, 0.1}, 1.0);
   const auto& now = carrying.robot.reading();
   const auto nearest = find_goal(box, held, target, now, carrying.scene, {});
@@ -260,10 +266,7 @@ TEST(FindGoal, TurnsTheOtherWayRoundWhereTheArmCannotGo) {
 TEST(FindGoal, KnowsHowMuchLowerTheObjectHangs) {
   const auto box = geometry::load_known_object("box");
   Carrying carrying({});
-  HeldObject held;
-  held.T_mount_object_flat.translation() << 0, 0, -0.3;
-  held.T_mount_object_flat.linear() = box.stable_poses[0].R_table_object;
-  held.T_mount_object = held.T_mount_object_flat;
+  HeldObject held = held_below(box);
   held.T_mount_object.translation().z() -= 0.009;
   const auto target = resting_pose(box, 0, {0.2, 0.1}, 0.0);
   const auto search = find_goal(box, held, target, carrying.robot.reading(), carrying.scene, {});

@@ -18,7 +18,7 @@ struct ArmStart {
 };
 
 /// Why the arm cannot bring the mount to the start of a line, in whatever posture, and from there
-/// along it; empty: it can.
+/// along it; empty: it can. @throws BadInput as plan_with_arm()
 std::string arm_obstacle(const ArmStart& start, std::span<const hand::MountPosition> line);
 
 /// A collision-free motion of mount and arm to the start of a line, in a posture of the arm from
@@ -30,7 +30,8 @@ std::string arm_obstacle(const ArmStart& start, std::span<const hand::MountPosit
 /// pose is taken to be off by a constant in its own frame from that of the arm's kinematics.
 /// @param joints  of the hand, rad
 /// @return of status no_path where arm_obstacle() has one, or none was found
-/// @throws BadInput for an unknown planner or an arm without as many joints as the posture has
+/// @throws BadInput for an unknown planner, an empty line, no arm, or one that has not as many
+///         joints as its posture
 Plan plan_with_arm(const ArmStart& start, std::span<const hand::MountPosition> line,
                    const hand::JointVector& joints, CollisionChecker& scene,
                    const PlanOptions& options, std::uint64_t seed);

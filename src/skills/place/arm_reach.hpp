@@ -12,7 +12,7 @@ namespace palpate::skills {
 /// lines or, with an arm, in any posture from which it can come down.
 std::string arm_obstacle(const Executor& robot, const PlaceGoal& goal);
 
-/// The same for any yaw of the mount that makes its pose.
+/// Whether the mount can be brought there from above, with any of the yaws that make its pose.
 /// @param rise  m over the place, from which the hand comes down
 bool releases(const Executor& robot, const hand::MountPosition& mount, double rise);
 
