@@ -81,9 +81,8 @@ struct ArmDescription;
 
 /// How an arm holds the mount.
 struct ArmPosture {
-  const ArmDescription* arm =
-      nullptr;                 ///< of the hand that tells it; none: only the mount is known
-  std::vector<double> joints;  ///< rad, as commanded
+  const ArmDescription* arm = nullptr;  ///< the hand's own; none: only the mount is known
+  std::vector<double> joints;           ///< rad, as commanded
 };
 
 /// A hand with tactile fingertips on a 6-DoF mount, simulated or real. What moves the mount is the
