@@ -17,9 +17,11 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kLeverArm = 0.2;       // m: what a turn of 1 rad counts as a way of the hand
-constexpr int kCheckedSteps = 100;      // of a way that is asked about, at least
-constexpr double kCheckedTurn = 0.032;  // rad of the mount in one of them, at most
+constexpr double kLeverArm = 0.2;            // m: what a turn of 1 rad counts as a way of the hand
+constexpr double kHeldAcceleration = 2;      // m/s^2, of a mount whose hand holds an object
+constexpr double kHeldTurnAcceleration = 8;  // rad/s^2
+constexpr int kCheckedSteps = 100;           // of a way that is asked about, at least
+constexpr double kCheckedTurn = 0.032;       // rad of the mount in one of them, at most
 
 /// s that the way takes at a speed (m/s).
 double seconds_of(const hand::MountPosition& from, const hand::MountPosition& target,
@@ -218,7 +220,11 @@ MotionEnd Executor::move_hand(const hand::HandCommand& target, double speed, dou
 
 void Executor::limit_mount(const hand::MountPosition& target, SpeedProfile& profile) const {
   const SafetyOptions& limits = safety_.options;
-  const hand::MountLimits gentle = mount_limits();
+  hand::MountLimits gentle = mount_limits();
+  if (log_.at(estimation::TouchEvent::closed)) {
+    gentle.acceleration = std::min(gentle.acceleration, kHeldAcceleration);
+    gentle.turn_acceleration = std::min(gentle.turn_acceleration, kHeldTurnAcceleration);
+  }
   profile.limit((target.xyz - command_.mount.xyz).norm(), limits.mount_speed,
                 std::min(limits.mount_acceleration, gentle.acceleration));
   profile.limit((target.ypr - command_.mount.ypr).norm(), limits.turn_speed,

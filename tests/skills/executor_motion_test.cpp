@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -42,6 +43,33 @@ TEST(Motion, ASpeedThatIsNoneIsAFaultAndMovesNothing) {
       EXPECT_EQ(hand.commands.back().mount.xyz.x(), 0);
     }
   }
+}
+
+/// m/s^2, the largest of a motion of the mount by 0.1 m.
+double acceleration_of_a_motion(RecordingHand& hand, Executor& robot) {
+  const std::size_t start = hand.commands.size();
+  hand::MountPosition target = robot.command().mount;
+  target.xyz.z() += 0.1;
+  robot.move_mount(target, 0.3);
+  double largest = 0;
+  for (std::size_t i = start + 2; i < hand.commands.size(); ++i) {
+    const auto z = [&](std::size_t at) { return hand.commands[at].mount.xyz.z(); };
+    const double change = z(i) - 2 * z(i - 1) + z(i - 2);
+    largest = std::max(largest, std::abs(change) / (hand::kTick * hand::kTick));
+  }
+  return largest;
+}
+
+TEST(Motion, AnObjectInTheHandIsAcceleratedGently) {
+  RecordingHand hand;
+  Executor robot(hand, hand::with_soft_actuators(), hand::resting_command());
+  EXPECT_GT(acceleration_of_a_motion(hand, robot), 6);
+  robot.add_event(estimation::TouchEvent::closed);
+  const double held = acceleration_of_a_motion(hand, robot);
+  EXPECT_GT(held, 1);
+  EXPECT_LT(held, 2.1);
+  robot.add_event(estimation::TouchEvent::released);
+  EXPECT_GT(acceleration_of_a_motion(hand, robot), 6);
 }
 
 /// Its arm is guarded at no speed.

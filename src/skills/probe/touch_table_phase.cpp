@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "palpate/core/gravity.hpp"
 #include "palpate/estimation/mean_load.hpp"
 #include "skills/probe/table_touch.hpp"
@@ -43,7 +41,7 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
                                          : "would add no information"};
   }
   robot.move_mount(start, kBackSpeed);
-  robot.wait(std::max(hold_, kSettleSeconds));
+  robot.wait(hold_);
   if (estimation::mean_load(robot.log()) < kStillHangs * weight) {
     return {false, "lost on the table"};
   }
