@@ -45,31 +45,64 @@ TEST(Motion, ASpeedThatIsNoneIsAFaultAndMovesNothing) {
   }
 }
 
-/// m/s^2, the largest of a motion of the mount by 0.1 m.
-double acceleration_of_a_motion(RecordingHand& hand, Executor& robot) {
+/// m/s^2 and rad/s^2, the largest of a motion of the mount by 0.1 m and 1 rad.
+struct Accelerations {
+  double way = 0, turn = 0;
+};
+
+Accelerations accelerations_of_motions(RecordingHand& hand, Executor& robot) {
   const std::size_t start = hand.commands.size();
-  hand::MountPosition target = robot.command().mount;
-  target.xyz.z() += 0.1;
-  robot.move_mount(target, 0.3);
-  double largest = 0;
+  hand::HandCommand target = robot.command();
+  target.mount.xyz.z() += 0.1;
+  robot.move_mount(target.mount, 0.3);
+  target.mount.ypr.x() += 1;
+  robot.move_hand(target, 0.3, 0.1);
+  Accelerations largest;
   for (std::size_t i = start + 2; i < hand.commands.size(); ++i) {
+    const auto change = [&](const auto& of) {
+      const double second = of(i) - 2 * of(i - 1) + of(i - 2);
+      return std::abs(second) / (hand::kTick * hand::kTick);
+    };
     const auto z = [&](std::size_t at) { return hand.commands[at].mount.xyz.z(); };
-    const double change = z(i) - 2 * z(i - 1) + z(i - 2);
-    largest = std::max(largest, std::abs(change) / (hand::kTick * hand::kTick));
+    const auto yaw = [&](std::size_t at) { return hand.commands[at].mount.ypr.x(); };
+    largest.way = std::max(largest.way, change(z));
+    largest.turn = std::max(largest.turn, change(yaw));
   }
   return largest;
 }
 
 TEST(Motion, AnObjectInTheHandIsAcceleratedGently) {
-  RecordingHand hand;
+  for (const auto end : {estimation::TouchEvent::released, estimation::TouchEvent::opened}) {
+    RecordingHand hand;
+    Executor robot(hand, hand::with_soft_actuators(), hand::resting_command());
+    const Accelerations free = accelerations_of_motions(hand, robot);
+    EXPECT_GT(free.way, 6);
+    EXPECT_GT(free.turn, 20);
+    robot.add_event(estimation::TouchEvent::closed);
+    const Accelerations held = accelerations_of_motions(hand, robot);
+    EXPECT_GT(held.way, 1);
+    EXPECT_LT(held.way, 2.1);
+    EXPECT_GT(held.turn, 4);
+    EXPECT_LT(held.turn, 8.4);
+    robot.add_event(end);
+    EXPECT_GT(accelerations_of_motions(hand, robot).way, 6);
+  }
+}
+
+/// Its arm is accelerated less than what is held.
+struct SlowHand : RecordingHand {
+  hand::MountLimits mount_limits() const override {
+    return {.acceleration = 1, .turn_acceleration = 3};
+  }
+};
+
+TEST(Motion, WhatIsHeldIsAcceleratedNoMoreThanTheArmMayBe) {
+  SlowHand hand;
   Executor robot(hand, hand::with_soft_actuators(), hand::resting_command());
-  EXPECT_GT(acceleration_of_a_motion(hand, robot), 6);
   robot.add_event(estimation::TouchEvent::closed);
-  const double held = acceleration_of_a_motion(hand, robot);
-  EXPECT_GT(held, 1);
-  EXPECT_LT(held, 2.1);
-  robot.add_event(estimation::TouchEvent::released);
-  EXPECT_GT(acceleration_of_a_motion(hand, robot), 6);
+  const Accelerations held = accelerations_of_motions(hand, robot);
+  EXPECT_LT(held.way, 1.05);
+  EXPECT_LT(held.turn, 3.15);
 }
 
 /// Its arm is guarded at no speed.

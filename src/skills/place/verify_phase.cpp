@@ -31,8 +31,8 @@ PhaseEnd VerifyPhase::run(Executor& robot, PickState& state) {
   if (!probed.ok) return {false, "found nothing where the object was put"};
   const double off = state.height - expected;
   return {std::abs(off) < kWrongHeight,
-          fmt::format("stopped {:.1f} mm {} where the object should stop it", 1e3 * std::abs(off),
-                      off < 0 ? "below" : "above")};
+          fmt::format("the hand was stopped {:.1f} mm {} where the object should stop it",
+                      1e3 * std::abs(off), off < 0 ? "below" : "above")};
 }
 
 }  // namespace palpate::skills

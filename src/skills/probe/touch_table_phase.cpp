@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "palpate/core/gravity.hpp"
 #include "palpate/estimation/mean_load.hpp"
 #include "skills/probe/table_touch.hpp"
@@ -12,6 +14,7 @@ namespace {
 
 constexpr double kBackSpeed = 0.1;       // m/s
 constexpr double kOneTouchSeconds = 12;  // s that a touch takes at most, and the way back
+constexpr double kLeastHold = 0.4;       // s, for the load to hold nothing of the motion
 constexpr double kStillHangs = 0.5;      // of the object's weight, that must still hang
 
 }  // namespace
@@ -41,7 +44,7 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
                                          : "would add no information"};
   }
   robot.move_mount(start, kBackSpeed);
-  robot.wait(hold_);
+  robot.wait(std::max(hold_, kLeastHold));
   if (estimation::mean_load(robot.log()) < kStillHangs * weight) {
     return {false, "lost on the table"};
   }
