@@ -24,7 +24,6 @@ constexpr double kClearShare = 0.9;       // of the poses, by which it is
 constexpr double kMetSigma = 0.0012;      // m, of the height at which the table is met
 constexpr double kUnlike = 1e-6;          // likelihood that a pose keeps
 constexpr double kTableTouchSeconds = 4;  // s that a touch takes
-constexpr double kSettleSeconds = 0.4;    // s, for the mean load to hold nothing of the motion
 constexpr double kSlowFrom = 0.006;       // m over the expected touch, and two of its sigmas
 constexpr double kGiveUp = 0.012;         // m below it, and two of its sigmas
 constexpr double kTurnedSpeed = 0.15;     // m/s

@@ -12,6 +12,9 @@
 
 namespace palpate::skills {
 
+/// s that the hand stands still, for the mean of its load to hold nothing of its motion.
+inline constexpr double kSettleSeconds = 0.4;
+
 /// A turn of the hand after which the object it holds is let down onto the table.
 struct TableTouch {
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< about the object's centroid, world, rad

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kBackSpeed = 0.1;       // m/s
 constexpr double kOneTouchSeconds = 12;  // s that a touch takes at most, and the way back
-constexpr double kLeastHold = 0.4;       // s, for the load to hold nothing of the motion
 constexpr double kStillHangs = 0.5;      // of the object's weight, that must still hang
 
 }  // namespace
@@ -44,7 +43,7 @@ PhaseEnd TouchTablePhase::run(Executor& robot, PickState& state) {
                                          : "would add no information"};
   }
   robot.move_mount(start, kBackSpeed);
-  robot.wait(std::max(hold_, kLeastHold));
+  robot.wait(std::max(hold_, kSettleSeconds));
   if (estimation::mean_load(robot.log()) < kStillHangs * weight) {
     return {false, "lost on the table"};
   }
