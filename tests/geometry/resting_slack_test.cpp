@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "geometry/objects/stable_poses.hpp"
+#include "palpate/geometry/objects/object_model.hpp"
 #include "palpate/geometry/objects/shapes.hpp"
 
 namespace palpate::geometry {
@@ -95,6 +96,20 @@ TEST(RestingSlack, ACylinderOnItsSideRollsFreelyHoweverItLies) {
       EXPECT_EQ(slack.lean(1, 0, 0.003), 0);
     }
   }
+}
+
+TEST(RestingSlack, AHandleOnTheTableStopsAMugToOneSide) {
+  const ObjectModel mug(load_known_object("mug"));
+  int on_handle = 0;
+  for (const RestingSlack& slack : mug.resting_slack()) {
+    const double against = slack.lean_to(0, 0, 0, 0.003), along = slack.lean_to(1, 0, 0, 0.003);
+    EXPECT_NEAR(slack.lean(0, 0, 0.003), std::hypot(against, along) / std::numbers::sqrt2, 1e-12);
+    if (std::max(against, along) < 0.1) continue;
+    ++on_handle;
+    EXPECT_GT(std::max(against, along), 0.3);
+    EXPECT_LT(std::min(against, along), 0.02);
+  }
+  EXPECT_EQ(on_handle, 2) << "it lies on either side of its handle";
 }
 
 }  // namespace

@@ -62,6 +62,52 @@ TEST(TableTerm, LargeLeansAreAsProbableAsStated) {
   EXPECT_NEAR(energy, expected, 0.05);
 }
 
+TEST(TableTerm, AMugRollsOffItsHandleAndNotOverIt) {
+  const geometry::ObjectModel& model = model_of("mug");
+  const auto& stable_poses = model.object().stable_poses;
+  std::size_t lying = 0;
+  while (model.resting_slack()[lying].lean(0, 0, 0.003) < 0.1) ++lying;
+  TableSupport table;
+  table.T_frame_table = Eigen::Isometry3d::Identity();
+  table.stable_pose_weights.assign(stable_poses.size(), 0);
+  table.stable_pose_weights[lying] = 1;
+  table.centroid_sigma = 0.003;
+  const TableTerm term(model, table);
+  const Eigen::Vector3d up = stable_poses[lying].R_table_object.row(2).transpose();
+  const Eigen::Vector3d direction = model.resting_slack()[lying].directions()[0];
+  const double off_handle = model.resting_slack()[lying].lean_to(1, 0, 0, 0.003) > 0.1 ? 1 : -1;
+
+  // By the energy: the density over leans off the handle (positive) and over it.
+  const auto density = [&](double lean) {
+    const Eigen::AngleAxisd turn(-off_handle * lean, up.cross(direction));
+    SearchPose pose;
+    pose.R = (stable_poses[lying].R_table_object * turn.toRotationMatrix()).cast<float>();
+    pose.t = {0, 0, static_cast<float>(stable_poses[lying].height)};
+    return std::exp(-static_cast<double>(term.energy(pose, kNoBound)));
+  };
+  constexpr double kStep = 0.002, kFar = 0.2;
+  double all = 0, off = 0, over = 0;
+  for (double lean = -1.5; lean < 1.5; lean += kStep) {
+    all += density(lean);
+    if (lean > kFar) off += density(lean);
+    if (lean < -kFar) over += density(lean);
+  }
+  EXPECT_GT(off / all, 0.15);
+  EXPECT_LT(over / all, 1e-6);
+
+  RandomStream random(5);
+  constexpr int kDraws = 20000;
+  int drawn_off = 0, drawn_over = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const Eigen::Vector3d table_up = term.draw(random).R.row(2).transpose().cast<double>();
+    const double lean = off_handle * std::asin(std::clamp(table_up.dot(direction), -1.0, 1.0));
+    drawn_off += lean > kFar;
+    drawn_over += lean < -kFar;
+  }
+  EXPECT_NEAR(drawn_off / static_cast<double>(kDraws), off / all, 0.02);
+  EXPECT_EQ(drawn_over, 0);
+}
+
 TEST(AnchorProposal, PutsTheSurfaceAtAContact) {
   const geometry::ObjectModel& model = model_of("bracket");
   const Scene scene = make_scene(model, {}, RandomStream(3));

@@ -116,26 +116,36 @@ double RestingSlack::lean_of_surface(const Profile& profile, double sigma) {
   return lean;
 }
 
-double RestingSlack::lean_of_centroid(const Profile& profile, double sigma) {
+double RestingSlack::lean_of_centroid(const Rises& rises, double sigma) {
   double squares = 0;
-  for (const Rises& rises : profile.sides) {
-    for (const double quantile : kNormalQuantiles) {
-      double lean = 0, rise = 0;
-      for (std::size_t i = 0; i < kLeans.size(); ++i) {
-        if (rises[i] - rise >= quantile * sigma * (kLeans[i] - lean)) break;
-        lean = kLeans[i];
-        rise = rises[i];
-      }
-      squares += lean * lean;
+  for (const double quantile : kNormalQuantiles) {
+    double lean = 0, rise = 0;
+    for (std::size_t i = 0; i < kLeans.size(); ++i) {
+      if (rises[i] - rise >= quantile * sigma * (kLeans[i] - lean)) break;
+      lean = kLeans[i];
+      rise = rises[i];
     }
+    squares += lean * lean;
   }
-  return std::sqrt(squares / static_cast<double>(profile.sides.size() * kNormalQuantiles.size()));
+  return std::sqrt(squares / static_cast<double>(kNormalQuantiles.size()));
+}
+
+double RestingSlack::lean_to(int side, int direction, double surface_sigma,
+                             double centroid_sigma) const {
+  const Profile& profile = profiles_[static_cast<std::size_t>(direction)];
+  const Rises& rises = profile.sides[static_cast<std::size_t>(side)];
+  const double of_centroid = centroid_sigma > 0 ? lean_of_centroid(rises, centroid_sigma) : 0;
+  return std::min(std::hypot(lean_of_surface(profile, surface_sigma), of_centroid), kLeans.back());
 }
 
 double RestingSlack::lean(int direction, double surface_sigma, double centroid_sigma) const {
   const Profile& profile = profiles_[static_cast<std::size_t>(direction)];
-  const double of_centroid = centroid_sigma > 0 ? lean_of_centroid(profile, centroid_sigma) : 0;
-  return std::min(std::hypot(lean_of_surface(profile, surface_sigma), of_centroid), kLeans.back());
+  double squares = 0;  // of the centroid's leans
+  for (const Rises& rises : profile.sides) {
+    if (centroid_sigma > 0) squares += std::pow(lean_of_centroid(rises, centroid_sigma), 2);
+  }
+  const double of_surface = lean_of_surface(profile, surface_sigma);
+  return std::min(std::hypot(of_surface, std::sqrt(squares / 2)), kLeans.back());
 }
 
 }  // namespace palpate::geometry

@@ -23,9 +23,43 @@ float square_over_sine(float cosine) {
 
 }  // namespace
 
+bool TableTerm::Lean::is_far(const Eigen::Vector3f& table_up, float square_over_sine) const {
+  const float far = table_up.dot(far_scaled);
+  if ((far > 0) != far_along) return false;
+  const float near = table_up.dot(scaled);
+  return 0.5F * (near * near - far * far) * square_over_sine > minus_log_far;
+}
+
+double TableTerm::Lean::mass() const {
+  const double ratio = far_sigma / sigma;
+  if (ratio <= 1) return 1;
+  // Both are equal where (1 - 1 / ratio^2) (a / sigma)^2 / 2 = ln ratio.
+  const double equal = std::sqrt(std::log(ratio) / (1 - 1 / (ratio * ratio)));
+  return 1 + (std::erf(equal) - std::erf(equal / ratio)) / 2;
+}
+
+double TableTerm::Lean::draw(RandomStream& random) const {
+  if (far_sigma == sigma) return sigma * random.normal();
+  const double side = far_along ? -1 : 1;
+  while (true) {  // from the sum of both densities, of which the larger one is kept
+    const bool far = random.uniform() < 1.0 / 3;
+    const double turn =
+        far ? side * std::abs(far_sigma * random.normal()) : sigma * random.normal();
+    if (turn * side <= 0) return turn;
+    const double a = std::exp(-half_square(turn, sigma)) / sigma;
+    const double b = std::exp(-half_square(turn, far_sigma)) / far_sigma;
+    if (random.uniform() * (a + b) < std::max(a, b)) return turn;
+  }
+}
+
 float TableTerm::StablePose::lean_energy(const Eigen::Vector3f& table_up) const {
-  const float a = table_up.dot(scaled[0]), b = table_up.dot(scaled[1]);
-  return 0.5F * (a * a + b * b) * square_over_sine(table_up.dot(up));
+  const float over_sine = square_over_sine(table_up.dot(up));
+  const bool far_0 = leans[0].is_far(table_up, over_sine);
+  const bool far_1 = leans[1].is_far(table_up, over_sine);
+  const float a = table_up.dot(far_0 ? leans[0].far_scaled : leans[0].scaled);
+  const float b = table_up.dot(far_1 ? leans[1].far_scaled : leans[1].scaled);
+  return 0.5F * (a * a + b * b) * over_sine + (far_0 ? leans[0].minus_log_far : 0) +
+         (far_1 ? leans[1].minus_log_far : 0);
 }
 
 TableTerm::TableTerm(const geometry::ObjectModel& model, const TableSupport& table)
@@ -53,15 +87,24 @@ TableTerm::StablePose TableTerm::stable_pose(const geometry::ObjectModel& model,
   const geometry::StablePose& known = model.object().stable_poses[number];
   const geometry::RestingSlack& slack = model.resting_slack()[number];
   const Eigen::Matrix3d& R = known.R_table_object;
-  StablePose pose{
-      R, R.row(2).transpose().cast<float>(), known.height, weight, 0, slack.directions(), {}, {}};
+  StablePose pose{R, R.row(2).transpose().cast<float>(), known.height, weight, 0, {}};
   double density = weight;
   for (std::size_t i = 0; i < 2; ++i) {
-    const double lean =
-        slack.lean(static_cast<int>(i), table_.surface_sigma, table_.centroid_sigma);
-    pose.lean_sigmas[i] = std::hypot(table_.tilt_sigma, lean);
-    pose.scaled[i] = (pose.directions[i] / pose.lean_sigmas[i]).cast<float>();
-    density *= table_.tilt_sigma / pose.lean_sigmas[i];
+    const auto sigma_to = [&](int side) {
+      return std::hypot(
+          table_.tilt_sigma,
+          slack.lean_to(side, static_cast<int>(i), table_.surface_sigma, table_.centroid_sigma));
+    };
+    const double against = sigma_to(0), along = sigma_to(1);
+    Lean& lean = pose.leans[i];
+    lean.direction = slack.directions()[i];
+    lean.sigma = std::min(against, along);
+    lean.far_sigma = std::max(against, along);
+    lean.far_along = along > against;
+    lean.minus_log_far = static_cast<float>(std::log(lean.far_sigma / lean.sigma));
+    lean.scaled = (lean.direction / lean.sigma).cast<float>();
+    lean.far_scaled = (lean.direction / lean.far_sigma).cast<float>();
+    density *= table_.tilt_sigma / (lean.sigma * lean.mass());
   }
   pose.minus_log_weight = static_cast<float>(-std::log(density));
   return pose;
@@ -97,10 +140,11 @@ void TableTerm::linearize(const SearchPose& pose, NormalEquations& equations) co
       nearest_stable_pose(up, static_cast<float>(at.z())).stable_pose;
   if (!stable_pose) return;
   const Eigen::Vector3d rests_on = (pose.R * stable_pose->up).cast<double>();
-  const double scale = std::sqrt(square_over_sine(up.dot(stable_pose->up)));
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Eigen::Vector3d direction =
-        pose.R.cast<double>() * stable_pose->directions[i] * (scale / stable_pose->lean_sigmas[i]);
+  const float over_sine = square_over_sine(up.dot(stable_pose->up));
+  const double scale = std::sqrt(over_sine);
+  for (const Lean& lean : stable_pose->leans) {
+    const double sigma = lean.is_far(up, over_sine) ? lean.far_sigma : lean.sigma;
+    const Eigen::Vector3d direction = pose.R.cast<double>() * lean.direction * (scale / sigma);
     Eigen::Matrix<double, 1, 6> tilt = Eigen::Matrix<double, 1, 6>::Zero();
     tilt.leftCols<3>() = direction.transpose() * skew(rests_on);
     equations.add(tilt, Eigen::Matrix<double, 1, 1>(direction.dot(axes.col(2) - rests_on)), 1);
@@ -141,9 +185,8 @@ SearchPose TableTerm::draw(RandomStream& random) const {
     left -= stable_poses_[s++].weight;
   const StablePose& stable_pose = stable_poses_[s];
   Eigen::Vector3d lean = Eigen::Vector3d::Zero();  // of the object, in its frame
-  for (std::size_t i = 0; i < 2; ++i) {
-    const double angle = stable_pose.lean_sigmas[i] * random.normal();
-    lean += angle * stable_pose.up.cast<double>().cross(stable_pose.directions[i]);
+  for (const Lean& one : stable_pose.leans) {
+    lean += one.draw(random) * stable_pose.up.cast<double>().cross(one.direction);
   }
   const Eigen::Vector3d yaw(0, 0, random.uniform(-std::numbers::pi, std::numbers::pi));
   const Eigen::Matrix3d R_table_object = exp_so3(yaw) * stable_pose.R_table_object * exp_so3(lean);

@@ -16,7 +16,8 @@ namespace palpate::localization {
 /// plus a box with Gaussian edges in x and y. The lean a (rad) is the rotation vector from u_s to
 /// the table's up in the object's frame, along two directions; sigma_i consists of the tilt's
 /// standard deviation and how far errors of the surface and the centre of mass make the object
-/// lean.
+/// lean. Where it leans farther to one side than to the other, its density is to that side the
+/// larger one of both sides' normal distributions, each with its own peak.
 class TableTerm : public EvidenceTerm {
  public:
   TableTerm(const geometry::ObjectModel& model, const TableSupport& table);
@@ -30,14 +31,28 @@ class TableTerm : public EvidenceTerm {
   double log_peak() const;
 
  private:
+  /// In one of the two directions in which it leans.
+  struct Lean {
+    Eigen::Vector3d direction;           // object's frame
+    double sigma, far_sigma;             // rad, to the side where it leans less, and to the other
+    bool far_along;                      // the other side is that of the direction
+    float minus_log_far;                 // -ln of the peak to that side, relative to the other
+    Eigen::Vector3f scaled, far_scaled;  // direction over either sigma
+
+    /// Whether the density at a lean is that of the side where it leans farther.
+    /// @param square_over_sine  of the whole lean
+    bool is_far(const Eigen::Vector3f& table_up, float square_over_sine) const;
+    /// A turn of the object by which the table's up leans against the direction, rad.
+    double draw(RandomStream& random) const;
+    /// Mass of the density, relative to a normal distribution's of the same peak and sigma.
+    double mass() const;
+  };
   struct StablePose {
     Eigen::Matrix3d R_table_object;
     Eigen::Vector3f up;  // of the table, in the object's frame
     double height, weight;
-    float minus_log_weight;                     // with the density's factor of its leans
-    std::array<Eigen::Vector3d, 2> directions;  // of the leans, object's frame
-    std::array<double, 2> lean_sigmas;          // rad
-    std::array<Eigen::Vector3f, 2> scaled;      // directions over sigmas
+    float minus_log_weight;  // with the density's factor of its leans
+    std::array<Lean, 2> leans;
 
     /// Of the sum of squares of the leans over their sigmas, half.
     float lean_energy(const Eigen::Vector3f& table_up) const;

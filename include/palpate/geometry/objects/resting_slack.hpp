@@ -34,6 +34,11 @@ class RestingSlack {
   /// @param centroid_sigma  m, error of the centre of mass along each axis
   double lean(int direction, double surface_sigma, double centroid_sigma = 0) const;
 
+  /// The same of the leans to one side only: a handle on the table may stop what rolls to that
+  /// side, and not what rolls off it.
+  /// @param side  0: against the direction, 1: along it
+  double lean_to(int side, int direction, double surface_sigma, double centroid_sigma = 0) const;
+
  private:
   static constexpr std::array<double, 13> kLeans = {0.0025, 0.005, 0.01, 0.02, 0.03, 0.04, 0.06,
                                                     0.08,   0.12,  0.16, 0.24, 0.32, 0.64};  // rad
@@ -45,7 +50,7 @@ class RestingSlack {
   static Profile profile(const std::vector<Eigen::Vector3d>& hull, const Eigen::Vector3d& up,
                          const Eigen::Vector3d& direction);
   static double lean_of_surface(const Profile& profile, double sigma);
-  static double lean_of_centroid(const Profile& profile, double sigma);
+  static double lean_of_centroid(const Rises& rises, double sigma);
 
   std::array<Eigen::Vector3d, 2> directions_;
   std::array<Profile, 2> profiles_;
