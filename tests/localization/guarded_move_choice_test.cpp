@@ -38,6 +38,22 @@ TEST(MostInformativeMove, IsAcrossTheDirectionInWhichTheModesDiffer) {
   EXPECT_NEAR(most_informative_move(box(), posterior, slow, {kAlongX})->rate, 0.125, 1e-9);
 }
 
+TEST(MostInformativeMove, WhereTheFingerGrazesChanceDecides) {
+  double half = 0;
+  for (const auto& vertex : box().object().mesh.vertices) half = std::max(half, vertex.y());
+  const double beside = half + kBall.tip[0].radius;
+  const auto informative = [&](double between, double aside) {
+    localization::Posterior posterior;
+    posterior.modes = {mode_at({0, 0, 0}, 0.5), mode_at({0, between, 0}, 0.5)};
+    const Eigen::Vector3d shift(0, aside, 0);
+    const auto move = most_informative_move(box(), posterior, kBall,
+                                            {{kAlongX.from + shift, kAlongX.to + shift}});
+    return move ? move->information : 0;
+  };
+  EXPECT_NEAR(informative(0.020, beside + 0.010), 0.5, 1e-9);
+  EXPECT_LT(informative(0.002, beside + 0.001), 0.25) << "no more sure than a coin";
+}
+
 TEST(MostInformativeMove, UnlikelyModesAreWorthLess) {
   localization::Posterior posterior;
   posterior.modes = {mode_at({0, 0, 0}, 0.95), mode_at({0.02, 0, 0}, 0.05)};

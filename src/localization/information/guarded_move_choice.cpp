@@ -2,9 +2,11 @@
 #include "palpate/localization/information/guarded_move_choice.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
+#include "palpate/core/se3.hpp"
 #include "palpate/localization/consensus.hpp"
 
 namespace palpate::localization {
@@ -14,6 +16,7 @@ constexpr double kStep = 0.003;           // m of a way between places that are 
 constexpr double kReportedApart = 0.010;  // m between ends that are distinguished
 constexpr double kMinWeight = 0.002;      // of a pose of one of several objects that is looked at
 constexpr double kNeglected = 0.05;       // of the posterior, that no pose which is looked at has
+constexpr double kBeside = 0.003;         // m by which the finger may pass elsewhere
 constexpr double kGuard = 0.002;          // m that the rest of the finger is to stay away
 /// m by which the distance field may be off between its nodes, at most: their distance from the
 /// middle of a cell of 2 mm and the corrections by the gradients along three axes.
@@ -110,9 +113,10 @@ std::vector<WeightedObject> weighted_objects(const std::vector<PosedObject>& obj
   return all;
 }
 
-/// Probability that two draws from the poses are distinguished.
-double information(const std::vector<WeightedObject>& poses, const ProbingFinger& finger,
-                   const GuardedMove& guarded_move) {
+/// Probability that two draws from the poses are distinguished, where the finger goes just as it is
+/// meant to.
+double ideal_information(const std::vector<WeightedObject>& poses, const ProbingFinger& finger,
+                         const GuardedMove& guarded_move) {
   std::vector<MoveOutcome> outcomes;
   for (const auto& pose : poses) {
     outcomes.push_back(outcome(*pose.object, pose.T_object_world, finger, guarded_move));
@@ -121,6 +125,54 @@ double information(const std::vector<WeightedObject>& poses, const ProbingFinger
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       sum += 2 * poses[i].weight * poses[j].weight * reported_apart(outcomes[i], outcomes[j]);
+    }
+  }
+  return sum;
+}
+
+/// The guarded move, and four beside it that the finger may make instead.
+constexpr std::size_t kWays = 5;
+std::array<GuardedMove, kWays> ways_of(const GuardedMove& guarded_move) {
+  const Eigen::Matrix3d across = frame_with_z((guarded_move.to - guarded_move.from).normalized());
+  std::array<GuardedMove, kWays> ways;
+  for (std::size_t i = 0; i < kWays; ++i) {
+    const double side = i == 0 ? 0 : i % 2 == 0 ? kBeside : -kBeside;
+    const Eigen::Vector3d shift = side * across.col(i < 3 ? 0 : 1);
+    ways[i] = {guarded_move.from + shift, guarded_move.to + shift};
+  }
+  return ways;
+}
+
+using Outcomes = std::array<MoveOutcome, kWays>;
+
+/// Mean difference between an outcome of one pose and one of another.
+double mean_apart(const Outcomes& a, const Outcomes& b) {
+  double sum = 0;
+  for (const MoveOutcome& one : a) {
+    for (const MoveOutcome& other : b) sum += reported_apart(one, other);
+  }
+  return sum / static_cast<double>(kWays * kWays);
+}
+
+/// Probability that two draws from the poses are distinguished, by how much more the outcomes of
+/// two poses differ than those of either alone (energy distance): where the finger grazes the
+/// object, chance decides.
+double information(const std::vector<WeightedObject>& poses, const ProbingFinger& finger,
+                   const GuardedMove& guarded_move) {
+  const auto ways = ways_of(guarded_move);
+  std::vector<Outcomes> outcomes(poses.size());
+  std::vector<double> by_chance;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (std::size_t k = 0; k < kWays; ++k) {
+      outcomes[i][k] = outcome(*poses[i].object, poses[i].T_object_world, finger, ways[k]);
+    }
+    by_chance.push_back(mean_apart(outcomes[i], outcomes[i]));
+  }
+  double sum = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double apart = mean_apart(outcomes[i], outcomes[j]) - (by_chance[i] + by_chance[j]) / 2;
+      sum += 2 * poses[i].weight * poses[j].weight * std::max(0.0, apart);
     }
   }
   return sum;
@@ -182,9 +234,16 @@ std::optional<InformativeMove> most_informative_move(
 std::optional<InformativeMove> most_informative_move(
     const std::vector<PosedObject>& objects, const ProbingFinger& finger,
     const std::vector<GuardedMove>& guarded_moves) {
-  std::optional<InformativeMove> best;
   const auto poses = weighted_objects(objects);
+  std::vector<std::pair<double, std::size_t>> ideal;  // information and index
   for (std::size_t i = 0; i < guarded_moves.size(); ++i) {
+    ideal.emplace_back(ideal_information(poses, finger, guarded_moves[i]), i);
+  }
+  std::stable_sort(ideal.begin(), ideal.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::optional<InformativeMove> best;
+  for (const auto& [most, i] : ideal) {
+    if (most <= (best ? best->information : 0.0)) break;
     const double gained = information(poses, finger, guarded_moves[i]);
     if (gained <= (best ? best->information : 0.0)) continue;
     best = {guarded_moves[i], i, gained, gained / finger.seconds};
