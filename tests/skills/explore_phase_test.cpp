@@ -316,5 +316,51 @@ TEST(ExplorePhase, HasTimeForManyGuardedMoves) {
   EXPECT_GE(ExplorePhase(estimator, options).time_limit(), 2 * 64 * full);
 }
 
+/// A box at one of two places along x, and the finger that is to tell which, for each turn of the
+/// hand; what it leads is blocked but in some turns.
+struct TwoPlaces {
+  explicit TwoPlaces(const std::vector<std::size_t>& free) {
+    for (const double x : {0.0, 0.02}) {
+      localization::Mode mode;
+      mode.T_frame_object.translation().x() = x;
+      mode.weight = 0.5;
+      posterior.modes.push_back(mode);
+    }
+    for (std::size_t turn = 0; turn < kTurns.size(); ++turn) {
+      localization::ProbingFinger finger{{{Eigen::Vector3d::Zero(), 0.007}}, {}};
+      if (std::ranges::find(free, turn) == free.end()) {
+        finger.rest.push_back({Eigen::Vector3d::Zero(), 0.02});
+      }
+      fingers.push_back(finger);
+    }
+    untried.fill({{{0, 0.2, 0}, {0, -0.2, 0}}, {{0.2, 0, 0}, {-0.2, 0, 0}}});
+  }
+  std::optional<localization::TurnedMove> take() {
+    return take_most_informative({{&object, posterior}}, fingers, untried);
+  }
+
+  geometry::ObjectModel object{geometry::load_known_object("box")};
+  localization::Posterior posterior;
+  std::vector<localization::ProbingFinger> fingers;
+  UntriedMoves untried;
+};
+
+TEST(TakeMostInformative, IsMadeOnce) {
+  TwoPlaces places({0, 1, 2, 3});
+  const auto move = places.take();
+  ASSERT_TRUE(move);
+  EXPECT_EQ(move->turn, 1u);
+  EXPECT_EQ(move->guarded_move.from, Eigen::Vector3d(0.2, 0, 0));
+  ASSERT_EQ(places.untried[1].size(), 1u);
+  EXPECT_EQ(places.untried[1][0].from, Eigen::Vector3d(0, 0.2, 0));
+  EXPECT_EQ(places.take()->turn, 0u) << "what is left of that turn tells nothing";
+}
+
+TEST(TakeMostInformative, TheHandIsTurnedByAQuarterOnlyWhereItIsBlockedElse) {
+  EXPECT_EQ(TwoPlaces({0, 2, 3}).take()->turn, 0u);
+  EXPECT_EQ(TwoPlaces({3}).take()->turn, 3u);
+  EXPECT_FALSE(TwoPlaces({}).take());
+}
+
 }  // namespace
 }  // namespace palpate::skills

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -28,9 +27,8 @@ constexpr double kContactSeconds = 0.12;  // s of contact that are averaged
 constexpr double kBlockedLoad = 0.15;  // N more on the mount: something but the fingertip touches
 constexpr int kBlockedMoves = 2;     // of a hand that sensed nothing, before its finger is changed
 constexpr double kElsewhere = 0.05;  // of the posterior in no mode, that a travelling hand neglects
-constexpr double kMinInformation = 0.03;
-constexpr double kHigher = 0.006;     // m, of another try where the hand was blocked
-constexpr double kHighest = 0.018;    // m, of all of these together
+constexpr double kHigher = 0.006;    // m, of another try where the hand was blocked
+constexpr double kHighest = 0.018;   // m, of all of these together
 constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more guarded moves are needed
 constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may leave
 constexpr double kBackOff = 0.015;    // m
@@ -89,6 +87,8 @@ double ExplorePhase::time_limit() const {
 const hand::PointingHand& ExplorePhase::pointing(const Executor& robot) const {
   return robot.model().postures.pointing.at(probe_);
 }
+
+double ExplorePhase::yaw(std::size_t turn) const { return kTurns.at(turn) * options_.turn; }
 
 PhaseEnd ExplorePhase::run(Executor& robot, PickState& state) {
   done_.clear();
@@ -202,29 +202,27 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::touch_from(Executor& robot, const Pic
   }
 }
 
+/// The probing finger for each turn of the hand.
+std::vector<localization::ProbingFinger> ExplorePhase::turned_fingers(const Executor& robot) const {
+  std::vector<localization::ProbingFinger> fingers;
+  for (std::size_t turn = 0; turn < kTurns.size(); ++turn) {
+    fingers.push_back(probing_finger(robot, pointing(robot), yaw(turn)));
+  }
+  return fingers;
+}
+
 /// Touches where the modes differ most, one after the other, till one of them is left.
 int ExplorePhase::disambiguate(Executor& robot, PickState& state) {
   int touches = 0;
-  std::array<std::vector<localization::GuardedMove>, 2>
-      left;  // for each turn of the hand: what was not tried yet
-  left.fill(disambiguating_moves(state, options_, travel_height(robot, state)));
-  if (options_.touches <= 1) left[1].clear();
+  UntriedMoves untried;
+  const auto all = disambiguating_moves(state, options_, travel_height(robot, state));
+  std::fill_n(untried.begin(), options_.touches > 1 ? untried.size() : 1, all);
   for (int i = options_.touches; i < options_.max_touches; ++i) {
     if (state.resting->modes.empty() || settled(*state.resting, options_.certain)) break;
-    std::optional<localization::InformativeMove> choice;
-    std::size_t turn = 0;
-    for (const std::size_t other : {1, 0}) {
-      const auto best = localization::most_informative_move(
-          possible_objects(estimator_), probing_finger(robot, pointing(robot), yaw(other)),
-          left[other]);
-      if (!best || best->information < kMinInformation) continue;
-      if (choice && best->rate <= choice->rate) continue;
-      choice = best;
-      turn = other;
-    }
-    if (!choice) break;
-    touches += guarded_move(robot, state, {choice->guarded_move, turn}) == GuardedMoveEnd::touched;
-    left[turn].erase(left[turn].begin() + static_cast<std::ptrdiff_t>(choice->index));
+    const auto move =
+        take_most_informative(possible_objects(estimator_), turned_fingers(robot), untried);
+    if (!move) break;
+    touches += guarded_move(robot, state, *move) == GuardedMoveEnd::touched;
     estimate(robot, state);
   }
   return touches;
@@ -239,9 +237,7 @@ int ExplorePhase::refine(Executor& robot, PickState& state) {
   for (int i = 0; i < options_.refining; ++i) {
     if (state.resting->modes.empty()) break;
     const auto choice = localization::most_refining_move(
-        estimator_.object(), state.resting->modes[0].T_frame_object,
-        {probing_finger(robot, pointing(robot), yaw(0)),
-         probing_finger(robot, pointing(robot), yaw(1))},
+        estimator_.object(), state.resting->modes[0].T_frame_object, turned_fingers(robot),
         guarded_moves, done_, kWorthwhile);
     if (!choice || choice->before < kGoodSpread) break;
     touches += guarded_move(robot, state, choice->guarded_move) == GuardedMoveEnd::touched;

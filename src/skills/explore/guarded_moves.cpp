@@ -9,13 +9,15 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kMinDepth = 0.014;  // m of the fingertip's centre over the table
-constexpr int kDirections = 16;      // of further guarded moves
-constexpr int kOffsets = 3;          // to either side of the object's place
-constexpr double kSpacing = 0.015;   // m between them
-constexpr double kDepthStep = 0.02;  // m between heights of further guarded moves
-constexpr double kLight = 0.1;       // kg of an object that is touched at touch_speed
-constexpr double kFaster = 2;        // times that speed, at most, for what is heavier
+constexpr double kMinDepth = 0.014;       // m of the fingertip's centre over the table
+constexpr int kDirections = 16;           // of further guarded moves
+constexpr int kOffsets = 3;               // to either side of the object's place
+constexpr double kSpacing = 0.015;        // m between them
+constexpr double kDepthStep = 0.02;       // m between heights of further guarded moves
+constexpr double kMinInformation = 0.03;  // of a guarded move that is worth its time
+constexpr double kMuch = 0.15;            // by which other turns of the hand need not be tried
+constexpr double kLight = 0.1;            // kg of an object that is touched at touch_speed
+constexpr double kFaster = 2;             // times that speed, at most, for what is heavier
 
 }  // namespace
 
@@ -72,6 +74,25 @@ std::vector<localization::GuardedMove> disambiguating_moves(const PickState& sta
     }
   }
   return guarded_moves;
+}
+
+std::optional<localization::TurnedMove> take_most_informative(
+    const std::vector<localization::PosedObject>& objects,
+    const std::vector<localization::ProbingFinger>& fingers, UntriedMoves& untried) {
+  std::optional<localization::InformativeMove> best;
+  std::size_t best_turn = 0;
+  for (const std::size_t turn : {1, 0, 2, 3}) {
+    if (turn == 2 && best && best->information > kMuch) break;
+    const auto move = localization::most_informative_move(objects, fingers[turn], untried[turn]);
+    if (!move || move->information < kMinInformation) continue;
+    if (best && move->rate <= best->rate) continue;
+    best = move;
+    best_turn = turn;
+  }
+  if (!best) return std::nullopt;
+  auto& moves = untried[best_turn];
+  moves.erase(moves.begin() + static_cast<std::ptrdiff_t>(best->index));
+  return localization::TurnedMove{best->guarded_move, best_turn};
 }
 
 }  // namespace palpate::skills

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "palpate/skills/explore/explore_phase.hpp"
@@ -32,5 +34,19 @@ void add_level_guarded_moves(const PickState& state, const ExploreOptions& optio
 std::vector<localization::GuardedMove> disambiguating_moves(const PickState& state,
                                                             const ExploreOptions& options,
                                                             double above);
+
+/// How the hand is turned for a guarded move, as shares of ExploreOptions::turn.
+inline constexpr std::array<double, 4> kTurns = {0, 1, 0.5, -0.5};
+
+/// Guarded moves that were not made yet, for each turn of the hand.
+using UntriedMoves = std::array<std::vector<localization::GuardedMove>, kTurns.size()>;
+
+/// The one of them that tells most per second which pose is true, which is then no longer among
+/// them. The hand is turned by a quarter only where it tells little by the other turns.
+/// @param fingers  for each turn
+/// @return nothing if none tells anything
+std::optional<localization::TurnedMove> take_most_informative(
+    const std::vector<localization::PosedObject>& objects,
+    const std::vector<localization::ProbingFinger>& fingers, UntriedMoves& untried);
 
 }  // namespace palpate::skills

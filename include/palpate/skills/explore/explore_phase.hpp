@@ -80,7 +80,8 @@ class ExplorePhase : public Phase {
   double clear_way(const Executor& robot, const PickState& state,
                    const localization::TurnedMove& turned) const;
   const hand::PointingHand& pointing(const Executor& robot) const;
-  double yaw(std::size_t turn) const { return turn == 0 ? 0 : options_.turn; }
+  double yaw(std::size_t turn) const;
+  std::vector<localization::ProbingFinger> turned_fingers(const Executor& robot) const;
   /// Estimates the resting pose from all touches so far, and shows it.
   void estimate(Executor& robot, PickState& state);
   int touch_around(Executor& robot, PickState& state);
