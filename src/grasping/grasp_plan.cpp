@@ -15,9 +15,11 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr float kCommonWidth = 0.06f;  // m
-constexpr std::size_t kFinalists = 16;
-constexpr double kTurnedAway = 0.35;  // rad between a yaw and those that have failed
+constexpr float kCommonWidth = 0.06f;       // m
+constexpr std::size_t kFinalists = 16;      // that are looked at more closely
+constexpr std::size_t kMoreFinalists = 64;  // where the object may have several poses
+constexpr double kNoGrasp = 1.5;            // cost where the hand holds nothing
+constexpr double kTurnedAway = 0.35;        // rad between a yaw and those that have failed
 const std::array<double, 7> kHeights = {0, 0.012, 0.024, 0.036, 0.05, 0.065, 0.08};  // m
 const std::array<float, 5> kDescent = {0, 0.01f, 0.03f, 0.06f, 0.1f};                // m
 
@@ -153,7 +155,7 @@ double mean_cost(const geometry::ObjectModel& object, const Eigen::Isometry3d& T
     Eigen::Isometry3d moved = T_world_object;
     moved.pretranslate(options.pose_error *
                        Eigen::Vector3d(std::cos(side * pi / 2), std::sin(side * pi / 2), 0));
-    sum += std::min(1.5, Candidate(object, moved, plan.mount).evaluate(path, options).cost);
+    sum += std::min(kNoGrasp, Candidate(object, moved, plan.mount).evaluate(path, options).cost);
   }
   return sum / 5;
 }
@@ -186,12 +188,32 @@ std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const ClosingTrajectory& path, const hand::Attitude& attitude,
                                     const GraspPlanOptions& options,
                                     const std::vector<double>& avoid) {
+  return plan_grasp(object, std::vector<PossiblePose>{{T_world_object}}, path, attitude, options,
+                    avoid);
+}
+
+std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
+                                    const std::vector<PossiblePose>& poses,
+                                    const ClosingTrajectory& path, const hand::Attitude& attitude,
+                                    const GraspPlanOptions& options,
+                                    const std::vector<double>& avoid) {
+  const Eigen::Isometry3d& T_world_object = poses.front().T_world_object;
   auto plans = find_grasps(object, T_world_object, path, attitude, options, avoid);
   if (plans.empty()) return std::nullopt;
   const auto cheaper = [](const GraspPlan& a, const GraspPlan& b) { return a.cost < b.cost; };
   std::stable_sort(plans.begin(), plans.end(), cheaper);
-  plans.resize(std::min(plans.size(), kFinalists));
-  for (auto& plan : plans) plan.cost = mean_cost(object, T_world_object, path, options, plan);
+  plans.resize(std::min(plans.size(), poses.size() > 1 ? kMoreFinalists : kFinalists));
+  for (auto& plan : plans) {
+    double sum = poses.front().weight * mean_cost(object, T_world_object, path, options, plan);
+    double weight = poses.front().weight;
+    for (std::size_t i = 1; i < poses.size(); ++i) {
+      const auto other =
+          close_virtually(object, poses[i].T_world_object, path, plan.mount, options);
+      sum += poses[i].weight * (other ? std::min(kNoGrasp, other->cost) : kNoGrasp);
+      weight += poses[i].weight;
+    }
+    plan.cost = sum / weight;
+  }
   return *std::min_element(plans.begin(), plans.end(), cheaper);
 }
 

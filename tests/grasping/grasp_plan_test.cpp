@@ -77,6 +77,25 @@ TEST(PlanGrasp, SomeAttitudeOfTheShadowHandHoldsTheBoxHoweverItStands) {
   }
 }
 
+TEST(PlanGrasp, HoldsTheObjectInAllPosesThatItMayHave) {
+  const BoxScene scene;
+  const Eigen::Isometry3d one = scene.resting(0.4, {0, 0}), other = scene.resting(0.8, {0.01, 0});
+  const auto expected = [&](GraspPlan plan) {
+    const auto here = close_virtually(scene.object, one, scene.path, plan.mount, {});
+    const auto there = close_virtually(scene.object, other, scene.path, plan.mount, {});
+    plan.cost = here->cost;
+    return (mean_cost(scene.object, one, scene.path, {}, plan) +
+            (there ? std::min(1.5, there->cost) : 1.5)) /
+           2;
+  };
+  const auto alone = plan_grasp(scene.object, one, scene.path, {kPitch, kRoll}, {});
+  const auto both =
+      plan_grasp(scene.object, {{one, 0.5}, {other, 0.5}}, scene.path, {kPitch, kRoll}, {});
+  ASSERT_TRUE(alone && both);
+  EXPECT_NEAR(both->cost, expected(*both), 1e-12);
+  EXPECT_LT(both->cost, expected(*alone)) << "what is best for one pose is worse for the other";
+}
+
 TEST(PlanGrasp, AvoidsDirectionsThatFailed) {
   const BoxScene scene;
   const auto T = scene.resting(0.4, {0, 0});

@@ -47,6 +47,12 @@ struct GraspPlan {
   hand::PerFinger<std::size_t> stops{};    ///< shape of its path where each finger ends
 };
 
+/// A pose that the object may have.
+struct PossiblePose {
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+  double weight = 1;
+};
+
 /// How the hand closes at a place; of infinite cost if its thumb and another finger do not both
 /// meet the object.
 /// @return nothing where the opened hand cannot come down freely
@@ -87,6 +93,14 @@ double grasp_cost(const geometry::ObjectModel& object, const GraspPlan& plan,
 /// @return nothing if no place will do
 std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const Eigen::Isometry3d& T_world_object,
+                                    const ClosingTrajectory& path, const hand::Attitude& attitude,
+                                    const GraspPlanOptions& options,
+                                    const std::vector<double>& avoid = {});
+
+/// The same for an object that may have one of several poses, the most probable one first: the
+/// grasp for that pose whose expected cost over all of them is least.
+std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
+                                    const std::vector<PossiblePose>& poses,
                                     const ClosingTrajectory& path, const hand::Attitude& attitude,
                                     const GraspPlanOptions& options,
                                     const std::vector<double>& avoid = {});

@@ -10,6 +10,7 @@
 #include "palpate/estimation/mean_load.hpp"
 #include "palpate/grasping/force_distribution.hpp"
 #include "palpate/hand/tip_forces.hpp"
+#include "palpate/localization/consensus.hpp"
 #include "palpate/skills/explore/height_probe_phase.hpp"
 #include "palpate/skills/stop_conditions.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
@@ -31,6 +32,9 @@ constexpr double kTopClearance = 0.003;  // m above the table where it ends at t
 constexpr double kClear = 0.06;          // m up from where the fingers landed on top
 constexpr std::size_t kTouchReadings = 15;
 constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
+constexpr double kNearlyCertain = 0.9;      // probability of a pose that alone is planned for
+constexpr std::size_t kPossiblePoses = 12;  // that are planned for else
+constexpr double kSamePose = 1e-9;
 constexpr int kPlans = 6;  // tried for one that can be reached
 
 /// Position of the mount that puts it at `ahead`, `left` of a place, seen along the yaw.
@@ -72,6 +76,22 @@ hand::ActuatorVector relaxed(const Executor& robot, const hand::PerFinger<bool>&
 bool may_be_insensitive(const Executor& robot, const FingersDone& done, bool on_pose, int finger) {
   if (!robot.trust().trusted(finger)) return true;
   return on_pose && !robot.trust().cleared(finger) && !done.met()[static_cast<std::size_t>(finger)];
+}
+
+/// The poses that a grasp is planned for: the best one first, and unless that is nearly certain the
+/// heaviest of the others.
+std::vector<grasping::PossiblePose> possible_poses(const localization::Posterior& resting) {
+  const Eigen::Isometry3d& best = resting.modes.front().T_frame_object;
+  if (localization::best_probability(resting) > kNearlyCertain) return {{best}};
+  auto credible = localization::poses_of(resting);
+  const auto is_best = [&](const auto& pose) { return pose.T.isApprox(best, kSamePose); };
+  const auto heavier = [](const auto& a, const auto& b) { return a.weight > b.weight; };
+  std::stable_sort(credible.begin(), credible.end(), heavier);
+  std::stable_partition(credible.begin(), credible.end(), is_best);
+  credible.resize(std::min(credible.size(), kPossiblePoses));
+  std::vector<grasping::PossiblePose> poses;
+  for (const auto& [T_world_object, weight] : credible) poses.push_back({T_world_object, weight});
+  return poses;
 }
 
 /// The first plan to which the mount can be brought, of those that avoid the others' yaws.
@@ -166,11 +186,11 @@ std::optional<grasping::GraspPlan> GraspPhase::plan(const Executor& robot, const
   const auto path = grasping::closing_trajectory(robot.model(), preshape.open, law);
   grasping::GraspPlanOptions options = options_.plan;
   options.press = pressure(options_, object_.object());
+  const auto poses = possible_poses(*state.resting);
   std::optional<grasping::GraspPlan> best;
   for (const hand::Attitude& attitude : preshape.attitudes) {
     const auto plan = reachable_plan(robot, tried_yaws, [&](const std::vector<double>& avoided) {
-      return grasping::plan_grasp(object_, state.resting->modes.front().T_frame_object, path,
-                                  attitude, options, avoided);
+      return grasping::plan_grasp(object_, poses, path, attitude, options, avoided);
     });
     if (plan && (!best || plan->cost < best->cost)) best = plan;
     if (best && best->cost < options_.good_cost) break;
