@@ -89,6 +89,22 @@ TEST(LiftPhase, AGripThatGivesWayIsNoticedWhileTheObjectStandsOnTheTable) {
   EXPECT_FALSE(watched.robot.log().at(estimation::TouchEvent::held));
 }
 
+TEST(LiftPhase, WhatPressedTheObjectOnTheTableIsNotLost) {
+  const auto lifting = [](double onto_table) {
+    return Lifting([onto_table](hand::HandReading& reading, double) {
+      const bool up = reading.mount.xyz.z() > 0.001;
+      reading.mount_force.z() = up ? kWeight : -onto_table;
+      if (!up) return;
+      reading.contacts[0][0].f *= 0.0;  // of five fingertips of 1 N
+      reading.contacts[1][0].f *= 0.5;
+    });
+  };
+  Lifting pressed = lifting(1.5);
+  EXPECT_EQ(pressed.lift().status, PhaseStatus::ok);
+  Lifting beside = lifting(0);
+  expect_failed(beside, "the grip gives way; back on the table");
+}
+
 TEST(LiftPhase, NoticesThatTooLittleHangs) {
   Lifting light(
       [](hand::HandReading& reading, double) { reading.mount_force.z() = 0.49 * kWeight; });

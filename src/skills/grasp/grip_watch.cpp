@@ -5,6 +5,7 @@
 #include <numeric>
 #include <span>
 
+#include "palpate/estimation/mean_load.hpp"
 #include "palpate/hand/tip_forces.hpp"
 
 namespace palpate::skills {
@@ -31,7 +32,8 @@ GripWatch::GripWatch(const Executor& robot) {
   const double sum = std::accumulate(
       window.begin(), window.end(), 0.0,
       [](double before, const auto& reading) { return before + press_of(reading); });
-  pressed_ = sum / static_cast<double>(window.size());
+  const double onto_table = std::max(0.0, -estimation::mean_load(robot.log(), kBefore));
+  pressed_ = sum / static_cast<double>(window.size()) - onto_table;
 }
 
 bool GripWatch::update(const hand::HandReading& reading) {
