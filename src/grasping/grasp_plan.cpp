@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/grasping/grasp_plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 
 #include "palpate/core/gravity.hpp"
 #include "palpate/grasping/force_distribution.hpp"
@@ -197,14 +200,19 @@ std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const ClosingTrajectory& path, const hand::Attitude& attitude,
                                     const GraspPlanOptions& options,
                                     const std::vector<double>& avoid) {
+  for (const auto& [T_world_object, weight] : poses) {
+    if (!(weight > 0)) throw std::invalid_argument(fmt::format("a pose has the weight {}", weight));
+  }
+  if (poses.empty()) throw std::invalid_argument("a grasp is planned for no pose");
   const Eigen::Isometry3d& T_world_object = poses.front().T_world_object;
   auto plans = find_grasps(object, T_world_object, path, attitude, options, avoid);
   if (plans.empty()) return std::nullopt;
-  const auto cheaper = [](const GraspPlan& a, const GraspPlan& b) { return a.cost < b.cost; };
-  std::stable_sort(plans.begin(), plans.end(), cheaper);
+  std::stable_sort(plans.begin(), plans.end(),
+                   [](const GraspPlan& a, const GraspPlan& b) { return a.cost < b.cost; });
   plans.resize(std::min(plans.size(), poses.size() > 1 ? kMoreFinalists : kFinalists));
   for (auto& plan : plans) {
-    double sum = poses.front().weight * mean_cost(object, T_world_object, path, options, plan);
+    plan.cost = mean_cost(object, T_world_object, path, options, plan);
+    double sum = poses.front().weight * plan.cost;
     double weight = poses.front().weight;
     for (std::size_t i = 1; i < poses.size(); ++i) {
       const auto other =
@@ -212,9 +220,11 @@ std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
       sum += poses[i].weight * (other ? std::min(kNoGrasp, other->cost) : kNoGrasp);
       weight += poses[i].weight;
     }
-    plan.cost = sum / weight;
+    plan.expected_cost = poses.size() > 1 ? sum / weight : plan.cost;
   }
-  return *std::min_element(plans.begin(), plans.end(), cheaper);
+  return *std::min_element(plans.begin(), plans.end(), [](const GraspPlan& a, const GraspPlan& b) {
+    return a.expected_cost < b.expected_cost;
+  });
 }
 
 }  // namespace palpate::grasping

@@ -84,16 +84,27 @@ TEST(PlanGrasp, HoldsTheObjectInAllPosesThatItMayHave) {
     const auto here = close_virtually(scene.object, one, scene.path, plan.mount, {});
     const auto there = close_virtually(scene.object, other, scene.path, plan.mount, {});
     plan.cost = here->cost;
-    return (mean_cost(scene.object, one, scene.path, {}, plan) +
-            (there ? std::min(1.5, there->cost) : 1.5)) /
-           2;
+    return (0.6 * mean_cost(scene.object, one, scene.path, {}, plan) +
+            0.2 * (there ? std::min(1.5, there->cost) : 1.5)) /
+           0.8;
   };
   const auto alone = plan_grasp(scene.object, one, scene.path, {kPitch, kRoll}, {});
   const auto both =
-      plan_grasp(scene.object, {{one, 0.5}, {other, 0.5}}, scene.path, {kPitch, kRoll}, {});
+      plan_grasp(scene.object, {{one, 0.6}, {other, 0.2}}, scene.path, {kPitch, kRoll}, {});
   ASSERT_TRUE(alone && both);
-  EXPECT_NEAR(both->cost, expected(*both), 1e-12);
-  EXPECT_LT(both->cost, expected(*alone)) << "what is best for one pose is worse for the other";
+  EXPECT_EQ(alone->expected_cost, alone->cost);
+  EXPECT_NEAR(both->expected_cost, expected(*both), 1e-12);
+  EXPECT_LT(both->expected_cost, expected(*alone)) << "the best one for one pose is worse for both";
+  EXPECT_GE(both->cost, alone->cost);
+}
+
+TEST(PlanGrasp, PosesWithoutWeightAreRefused) {
+  const BoxScene scene;
+  const auto plan = [&](const std::vector<PossiblePose>& poses) {
+    return plan_grasp(scene.object, poses, scene.path, {kPitch, kRoll}, {});
+  };
+  EXPECT_THROW(static_cast<void>(plan({})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(plan({{scene.resting(0, {0, 0}), 0.0}})), std::invalid_argument);
 }
 
 TEST(PlanGrasp, AvoidsDirectionsThatFailed) {

@@ -66,7 +66,9 @@ TEST(TableTerm, AMugRollsOffItsHandleAndNotOverIt) {
   const geometry::ObjectModel& model = model_of("mug");
   const auto& stable_poses = model.object().stable_poses;
   std::size_t lying = 0;
-  while (model.resting_slack()[lying].lean(0, 0, 0.003) < 0.1) ++lying;
+  while (lying < stable_poses.size() && model.resting_slack()[lying].lean(0, 0, 0.003) < 0.1)
+    ++lying;
+  ASSERT_LT(lying, stable_poses.size());
   TableSupport table;
   table.T_frame_table = Eigen::Isometry3d::Identity();
   table.stable_pose_weights.assign(stable_poses.size(), 0);

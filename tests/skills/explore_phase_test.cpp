@@ -319,15 +319,16 @@ TEST(ExplorePhase, HasTimeForManyGuardedMoves) {
 /// A box at one of two places along x, and the finger that is to tell which, for each turn of the
 /// hand; what it leads is blocked but in some turns.
 struct TwoPlaces {
-  explicit TwoPlaces(const std::vector<std::size_t>& free) {
+  explicit TwoPlaces(const std::vector<std::size_t>& free, double doubt = 0.5) {
     for (const double x : {0.0, 0.02}) {
       localization::Mode mode;
       mode.T_frame_object.translation().x() = x;
-      mode.weight = 0.5;
+      mode.weight = x > 0 ? doubt : 1 - doubt;
       posterior.modes.push_back(mode);
     }
     for (std::size_t turn = 0; turn < kTurns.size(); ++turn) {
       localization::ProbingFinger finger{{{Eigen::Vector3d::Zero(), 0.007}}, {}};
+      finger.seconds = turn < 2 ? 1 : 0.5;
       if (std::ranges::find(free, turn) == free.end()) {
         finger.rest.push_back({Eigen::Vector3d::Zero(), 0.02});
       }
@@ -356,8 +357,9 @@ TEST(TakeMostInformative, IsMadeOnce) {
   EXPECT_EQ(places.take()->turn, 0u) << "what is left of that turn tells nothing";
 }
 
-TEST(TakeMostInformative, TheHandIsTurnedByAQuarterOnlyWhereItIsBlockedElse) {
-  EXPECT_EQ(TwoPlaces({0, 2, 3}).take()->turn, 0u);
+TEST(TakeMostInformative, TheHandIsTurnedByAQuarterOnlyWhereOtherTurnsAreLessInformative) {
+  EXPECT_EQ(TwoPlaces({0, 2, 3}).take()->turn, 0u) << "though a quarter takes less time";
+  EXPECT_EQ(TwoPlaces({0, 2, 3}, 0.05).take()->turn, 2u) << "0.095 are left";
   EXPECT_EQ(TwoPlaces({3}).take()->turn, 3u);
   EXPECT_FALSE(TwoPlaces({}).take());
 }

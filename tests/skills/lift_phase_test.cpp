@@ -105,6 +105,14 @@ TEST(LiftPhase, WhatPressedTheObjectOnTheTableIsNotLost) {
   expect_failed(beside, "the grip gives way; back on the table");
 }
 
+TEST(LiftPhase, AGripThatSlidesOffIsLostHoweverHardTheHandPressedOnTheTable) {
+  Lifting lifting([](hand::HandReading& reading, double since) {
+    sliding_off(0.01)(reading, since);
+    if (reading.mount.xyz.z() < 0.001) reading.mount_force.z() = -20;
+  });
+  expect_failed(lifting, "the grip gives way; back on the table");
+}
+
 TEST(LiftPhase, NoticesThatTooLittleHangs) {
   Lifting light(
       [](hand::HandReading& reading, double) { reading.mount_force.z() = 0.49 * kWeight; });

@@ -40,9 +40,10 @@ struct GraspPlanOptions {
 /// Where the hand is to close, and how well the fingers should then hold the object.
 struct GraspPlan {
   hand::MountPosition mount;
-  double cost = 0;                         ///< mean over small displacements of the object
-  int fingers = 0;                         ///< that meet the object
-  int missing = 0;                         ///< fingers that do not
+  double cost = 0;           ///< mean over small displacements of the object
+  double expected_cost = 0;  ///< the same, and over all poses that the object may have
+  int fingers = 0;           ///< that meet the object
+  int missing = 0;           ///< fingers that do not
   std::vector<tactile::Contact> contacts;  ///< of their tips, in the mount's frame
   hand::PerFinger<std::size_t> stops{};    ///< shape of its path where each finger ends
 };
@@ -97,8 +98,10 @@ std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const GraspPlanOptions& options,
                                     const std::vector<double>& avoid = {});
 
-/// The same for an object that may have one of several poses, the most probable one first: the
-/// grasp for that pose whose expected cost over all of them is least.
+/// The same for an object that may have one of several poses: the grasp for the first of them whose
+/// expected cost over all is least. Only the first pose is displaced.
+/// @param poses  the most probable one first; their weights need not sum to 1
+/// @throws std::invalid_argument without poses, or if their weights are not positive
 std::optional<GraspPlan> plan_grasp(const geometry::ObjectModel& object,
                                     const std::vector<PossiblePose>& poses,
                                     const ClosingTrajectory& path, const hand::Attitude& attitude,

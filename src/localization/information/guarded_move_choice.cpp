@@ -242,8 +242,8 @@ std::optional<InformativeMove> most_informative_move(
   std::stable_sort(ideal.begin(), ideal.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   std::optional<InformativeMove> best;
-  for (const auto& [most, i] : ideal) {
-    if (most <= (best ? best->information : 0.0)) break;
+  for (const auto& [without_error, i] : ideal) {
+    if (without_error <= (best ? best->information : 0.0)) break;  // an error rarely adds to it
     const double gained = information(poses, finger, guarded_moves[i]);
     if (gained <= (best ? best->information : 0.0)) continue;
     best = {guarded_moves[i], i, gained, gained / finger.seconds};

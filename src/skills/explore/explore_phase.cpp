@@ -29,6 +29,7 @@ constexpr int kBlockedMoves = 2;     // of a hand that sensed nothing, before it
 constexpr double kElsewhere = 0.05;  // of the posterior in no mode, that a travelling hand neglects
 constexpr double kHigher = 0.006;    // m, of another try where the hand was blocked
 constexpr double kHighest = 0.018;   // m, of all of these together
+constexpr double kQuarters = 2;  // rad of a turn, from which the hand is turned by half of it, too
 constexpr double kGoodSpread = 0.35;  // of the resting pose, where no more guarded moves are needed
 constexpr double kWorthwhile = 0.93;  // of the spread that a guarded move may leave
 constexpr double kBackOff = 0.015;    // m
@@ -216,7 +217,8 @@ int ExplorePhase::disambiguate(Executor& robot, PickState& state) {
   int touches = 0;
   UntriedMoves untried;
   const auto all = disambiguating_moves(state, options_, travel_height(robot, state));
-  std::fill_n(untried.begin(), options_.touches > 1 ? untried.size() : 1, all);
+  const bool quarters = std::abs(options_.turn) > kQuarters;
+  std::fill_n(untried.begin(), options_.touches <= 1 ? 1 : quarters ? 4 : 2, all);
   for (int i = options_.touches; i < options_.max_touches; ++i) {
     if (state.resting->modes.empty() || settled(*state.resting, options_.certain)) break;
     const auto move =

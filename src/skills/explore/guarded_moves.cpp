@@ -81,10 +81,12 @@ std::optional<localization::TurnedMove> take_most_informative(
     const std::vector<localization::ProbingFinger>& fingers, UntriedMoves& untried) {
   std::optional<localization::InformativeMove> best;
   std::size_t best_turn = 0;
+  double most = 0;
   for (const std::size_t turn : {1, 0, 2, 3}) {
-    if (turn == 2 && best && best->information > kMuch) break;
+    if (turn == 2 && most > kMuch) break;
     const auto move = localization::most_informative_move(objects, fingers[turn], untried[turn]);
     if (!move || move->information < kMinInformation) continue;
+    most = std::max(most, move->information);
     if (best && move->rate <= best->rate) continue;
     best = move;
     best_turn = turn;

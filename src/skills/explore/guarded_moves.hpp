@@ -41,10 +41,10 @@ inline constexpr std::array<double, 4> kTurns = {0, 1, 0.5, -0.5};
 /// Guarded moves that were not made yet, for each turn of the hand.
 using UntriedMoves = std::array<std::vector<localization::GuardedMove>, kTurns.size()>;
 
-/// The one of them that tells most per second which pose is true, which is then no longer among
-/// them. The hand is turned by a quarter only where it tells little by the other turns.
+/// The most informative one per second, which is then no longer among them. The hand is turned by a
+/// quarter only where moves with the other turns are little informative.
 /// @param fingers  for each turn
-/// @return nothing if none tells anything
+/// @return nothing if none is informative
 std::optional<localization::TurnedMove> take_most_informative(
     const std::vector<localization::PosedObject>& objects,
     const std::vector<localization::ProbingFinger>& fingers, UntriedMoves& untried);

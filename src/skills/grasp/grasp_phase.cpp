@@ -192,8 +192,8 @@ std::optional<grasping::GraspPlan> GraspPhase::plan(const Executor& robot, const
     const auto plan = reachable_plan(robot, tried_yaws, [&](const std::vector<double>& avoided) {
       return grasping::plan_grasp(object_, poses, path, attitude, options, avoided);
     });
-    if (plan && (!best || plan->cost < best->cost)) best = plan;
-    if (best && best->cost < options_.good_cost) break;
+    if (plan && (!best || plan->expected_cost < best->expected_cost)) best = plan;
+    if (best && best->expected_cost < options_.good_cost) break;
   }
   return best;
 }

@@ -13,8 +13,9 @@ namespace {
 
 constexpr std::size_t kBefore = 15;  // readings, averaged against noise
 constexpr std::size_t kNow = 3;
-constexpr double kLeft = 0.8;  // of the force: less is lost
-constexpr double kFirm = 0.5;  // N, that distinguish a loss from noise
+constexpr double kLeft = 0.8;         // of the force: less is lost
+constexpr double kMostOnTable = 0.4;  // of the force, that may press the object on the table
+constexpr double kFirm = 0.5;         // N, that distinguish a loss from noise
 
 double press_of(const hand::HandReading& reading) {
   double sum = 0;
@@ -32,8 +33,9 @@ GripWatch::GripWatch(const Executor& robot) {
   const double sum = std::accumulate(
       window.begin(), window.end(), 0.0,
       [](double before, const auto& reading) { return before + press_of(reading); });
+  const double pressed = sum / static_cast<double>(window.size());
   const double onto_table = std::max(0.0, -estimation::mean_load(robot.log(), kBefore));
-  pressed_ = sum / static_cast<double>(window.size()) - onto_table;
+  pressed_ = pressed - std::min(onto_table, kMostOnTable * pressed);
 }
 
 bool GripWatch::update(const hand::HandReading& reading) {

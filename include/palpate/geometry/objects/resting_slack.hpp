@@ -34,8 +34,8 @@ class RestingSlack {
   /// @param centroid_sigma  m, error of the centre of mass along each axis
   double lean(int direction, double surface_sigma, double centroid_sigma = 0) const;
 
-  /// The same of the leans to one side only: a handle on the table may stop what rolls to that
-  /// side, and not what rolls off it.
+  /// The same to one side, by the centre of mass (an error of the surface counts as to both): a
+  /// handle on the table stops what rolls to that side, and not what rolls off it.
   /// @param side  0: against the direction, 1: along it
   double lean_to(int side, int direction, double surface_sigma, double centroid_sigma = 0) const;
 

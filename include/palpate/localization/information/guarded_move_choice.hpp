@@ -25,7 +25,7 @@ struct ProbingFinger {
 struct InformativeMove {
   GuardedMove guarded_move;
   std::size_t index = 0;   ///< of it among the guarded moves
-  double information = 0;  ///< probability that two draws from the poses are distinguished
+  double information = 0;  ///< probability that two draws from the poses are distinguished, at most
   double rate = 0;         ///< information per second
 };
 
@@ -37,7 +37,10 @@ struct PosedObject {
 
 /// The one of some guarded moves whose end differs most between the poses that a posterior holds
 /// for credible (poses_of: a mode with a free axis is several along it). Where another part of the
-/// hand touches first, the guarded move ends, too.
+/// hand touches first, the guarded move ends, too. The ends are predicted for the move and for four
+/// that pass 3 mm beside it; two poses count as distinguished by how much more their ends differ
+/// than those of one pose (energy distance), because where the finger grazes the object chance
+/// decides. Moves whose own end does not differ between the poses are left out.
 /// @return nothing if no guarded move is informative
 std::optional<InformativeMove> most_informative_move(const geometry::ObjectModel& object,
                                                      const localization::Posterior& posterior,

@@ -31,7 +31,9 @@ struct ExploreOptions {
       "number of further guarded moves at most, which refine the best pose");
     v("certain", certain, 0.0, 1.0,
       "probability of the best pose above which no more touches are made");
-    v.expert("turn", turn, -3.2, 3.2, "rad, rotation of the hand for every other guarded move");
+    v.expert("turn", turn, -3.2, 3.2,
+             "rad, rotation of the hand for every other guarded move; of more than 2, later ones "
+             "by half");
     v.expert("radius", radius, 0.02, 0.3, "m, radius of the circle on which guarded moves start");
     v.expert("past", past, 0.0, 0.2,
              "m, distance that guarded moves continue past the object's position");
