@@ -123,7 +123,7 @@ SETS = {
         (
             "palpate pick --object mug --seed 2 --force --out {work}/mug",
             "palpate render {work}/mug/recording.h5 --posterior --size 360x270 --azimuth 300 "
-            "--elevation -35 --distance 0.6 --speed 9.2 --out {work}/drawn",
+            "--elevation -35 --distance 0.6 --speed 6.7 --out {work}/drawn",
         ),
         {"posterior.png": "drawn/posterior.png"},
         RENDERER,
