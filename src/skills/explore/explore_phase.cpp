@@ -206,7 +206,8 @@ ExplorePhase::GuardedMoveEnd ExplorePhase::touch_from(Executor& robot, const Pic
 /// The probing finger for each turn of the hand.
 std::vector<localization::ProbingFinger> ExplorePhase::turned_fingers(const Executor& robot) const {
   std::vector<localization::ProbingFinger> fingers;
-  for (std::size_t turn = 0; turn < kTurns.size(); ++turn) {
+  const std::size_t turns = std::abs(options_.turn) > kQuarters ? kTurns.size() : 2;
+  for (std::size_t turn = 0; turn < turns; ++turn) {
     fingers.push_back(probing_finger(robot, pointing(robot), yaw(turn)));
   }
   return fingers;
@@ -217,8 +218,7 @@ int ExplorePhase::disambiguate(Executor& robot, PickState& state) {
   int touches = 0;
   UntriedMoves untried;
   const auto all = disambiguating_moves(state, options_, travel_height(robot, state));
-  const bool quarters = std::abs(options_.turn) > kQuarters;
-  std::fill_n(untried.begin(), options_.touches <= 1 ? 1 : quarters ? 4 : 2, all);
+  std::fill_n(untried.begin(), options_.touches > 1 ? untried.size() : 1, all);
   for (int i = options_.touches; i < options_.max_touches; ++i) {
     if (state.resting->modes.empty() || settled(*state.resting, options_.certain)) break;
     const auto move =

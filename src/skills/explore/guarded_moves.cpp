@@ -83,7 +83,7 @@ std::optional<localization::TurnedMove> take_most_informative(
   std::size_t best_turn = 0;
   double most = 0;
   for (const std::size_t turn : {1, 0, 2, 3}) {
-    if (turn == 2 && most > kMuch) break;
+    if (turn >= fingers.size() || (turn == 2 && most > kMuch)) break;
     const auto move = localization::most_informative_move(objects, fingers[turn], untried[turn]);
     if (!move || move->information < kMinInformation) continue;
     most = std::max(most, move->information);

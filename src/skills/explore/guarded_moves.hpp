@@ -43,7 +43,7 @@ using UntriedMoves = std::array<std::vector<localization::GuardedMove>, kTurns.s
 
 /// The most informative one per second, which is then no longer among them. The hand is turned by a
 /// quarter only where moves with the other turns are little informative.
-/// @param fingers  for each turn
+/// @param fingers  for each turn, or only for the first two
 /// @return nothing if none is informative
 std::optional<localization::TurnedMove> take_most_informative(
     const std::vector<localization::PosedObject>& objects,

@@ -84,6 +84,8 @@ std::vector<grasping::PossiblePose> possible_poses(const localization::Posterior
   const Eigen::Isometry3d& best = resting.modes.front().T_frame_object;
   if (localization::best_probability(resting) > kNearlyCertain) return {{best}};
   auto credible = localization::poses_of(resting);
+  std::erase_if(credible, [](const auto& pose) { return !(pose.weight > 0); });
+  if (credible.empty()) return {{best}};
   const auto is_best = [&](const auto& pose) { return pose.T.isApprox(best, kSamePose); };
   const auto heavier = [](const auto& a, const auto& b) { return a.weight > b.weight; };
   std::stable_sort(credible.begin(), credible.end(), heavier);
