@@ -22,6 +22,7 @@ namespace {
 /// rest: a touch may have moved the object.
 constexpr std::array<double, 3> kForgotten = {0, 0.35, 0.55};
 constexpr std::size_t kMinTouches = 4;  // that are then left
+constexpr double kMoved = 0.02;         // prior probability that a touch has moved the object so
 constexpr double kRuledOut = 1e-6;      // probability of a candidate that is not looked at again
 
 const localization::ObjectHypothesis kImpossible{
@@ -153,6 +154,15 @@ std::vector<EventLog::Moment> moments_of_resting(const EventLog& log) {
   return {log.moments.begin(), last.base()};
 }
 
+/// No pose of any candidate explains all touches: either one of them has moved the object, or it is
+/// another one, which may be unlike all candidates and explain the rest as well as they do.
+void doubt(double other_before, localization::ObjectProbabilities& objects) {
+  const double moved = (1 - other_before) * kMoved;
+  const double share = moved / (moved + other_before);
+  for (double& probability : objects.candidates) probability *= share;
+  objects.other = 1 - share * (1 - objects.other);
+}
+
 /// At the end of the lift only: what is sensed later decides.
 /// @param before_lift  in the hand's mount
 /// @param probability  of the object
@@ -228,6 +238,7 @@ localization::Posterior PoseEstimator::conclude(const Hypotheses& hypotheses) {
   }
   const localization::SizedCandidates objects = objects_of(candidates_);
   auto probabilities = localization::object_probabilities(last_, options_.identify);
+  if (!all_touches_explained_) doubt(options_.identify.other, probabilities);
   localization::choose_shape(objects, probabilities);
   const bool explained = probabilities.candidates[probabilities.best] > 0;
   if (explained) probabilities_ = probabilities;
@@ -269,12 +280,14 @@ PoseEstimator::Hypotheses PoseEstimator::search_resting(const hand::Description&
   if (const auto before = log.before_opening()) {
     PoseEstimator past(*this);
     past.held(hand, *before, before->at(TouchEvent::placed));
+    all_touches_explained_ = past.all_touches_explained_;
     return past.last_;
   }
   const std::size_t guarded_moves =
       log.all(TouchEvent::touched).size() + log.all(TouchEvent::missed).size();
   const EstimationOptions lay = as_it_lay(hand, log, options_);
   Hypotheses hypotheses(candidates_.size());
+  all_touches_explained_ = true;
   for (const double forgotten : kForgotten) {
     const auto skipped = static_cast<std::size_t>(forgotten * static_cast<double>(guarded_moves));
     Evidence evidence =
@@ -291,6 +304,7 @@ PoseEstimator::Hypotheses PoseEstimator::search_resting(const hand::Description&
       add_height(object, hand, log, options_, hypotheses[i]);
     }
     if (std::any_of(hypotheses.begin(), hypotheses.end(), has_pose)) break;
+    all_touches_explained_ = false;
   }
   return hypotheses;
 }

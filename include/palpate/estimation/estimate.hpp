@@ -173,6 +173,7 @@ class PoseEstimator {
   std::optional<std::size_t> closed_at_;   // reading that before_lift_ is of
   Hypotheses before_lift_;                 // in the closed hand, in its mount
   Hypotheses resting_, last_;              // last: of the last estimate, in the world
+  bool all_touches_explained_ = true;      // by one pose of a candidate
   std::vector<bool> ruled_out_;            // candidates that are not searched for any more
   localization::ObjectProbabilities probabilities_;
 };
