@@ -10,11 +10,11 @@
 #include "palpate/estimation/mean_load.hpp"
 #include "palpate/grasping/force_distribution.hpp"
 #include "palpate/hand/tip_forces.hpp"
-#include "palpate/localization/consensus.hpp"
 #include "palpate/skills/explore/height_probe_phase.hpp"
 #include "palpate/skills/stop_conditions.hpp"
 #include "palpate/tactile/contacts/contact_window.hpp"
 #include "skills/grasp/closing_watch.hpp"
+#include "skills/grasp/possible_poses.hpp"
 #include "skills/grasp/predicted_contacts.hpp"
 #include "skills/grasp/pressing.hpp"
 #include "skills/motion/lowest_part.hpp"
@@ -32,9 +32,6 @@ constexpr double kTopClearance = 0.003;  // m above the table where it ends at t
 constexpr double kClear = 0.06;          // m up from where the fingers landed on top
 constexpr std::size_t kTouchReadings = 15;
 constexpr double kTouchSeconds = kTouchReadings * hand::kTick;
-constexpr double kNearlyCertain = 0.9;      // probability of a pose that alone is planned for
-constexpr std::size_t kPossiblePoses = 12;  // that are planned for else
-constexpr double kSamePose = 1e-9;
 constexpr int kPlans = 6;  // tried for one that can be reached
 
 /// Position of the mount that puts it at `ahead`, `left` of a place, seen along the yaw.
@@ -76,24 +73,6 @@ hand::ActuatorVector relaxed(const Executor& robot, const hand::PerFinger<bool>&
 bool may_be_insensitive(const Executor& robot, const FingersDone& done, bool on_pose, int finger) {
   if (!robot.trust().trusted(finger)) return true;
   return on_pose && !robot.trust().cleared(finger) && !done.met()[static_cast<std::size_t>(finger)];
-}
-
-/// The poses that a grasp is planned for: the best one first, and unless that is nearly certain the
-/// heaviest of the others.
-std::vector<grasping::PossiblePose> possible_poses(const localization::Posterior& resting) {
-  const Eigen::Isometry3d& best = resting.modes.front().T_frame_object;
-  if (localization::best_probability(resting) > kNearlyCertain) return {{best}};
-  auto credible = localization::poses_of(resting);
-  std::erase_if(credible, [](const auto& pose) { return !(pose.weight > 0); });
-  if (credible.empty()) return {{best}};
-  const auto is_best = [&](const auto& pose) { return pose.T.isApprox(best, kSamePose); };
-  const auto heavier = [](const auto& a, const auto& b) { return a.weight > b.weight; };
-  std::stable_sort(credible.begin(), credible.end(), heavier);
-  std::stable_partition(credible.begin(), credible.end(), is_best);
-  credible.resize(std::min(credible.size(), kPossiblePoses));
-  std::vector<grasping::PossiblePose> poses;
-  for (const auto& [T_world_object, weight] : credible) poses.push_back({T_world_object, weight});
-  return poses;
 }
 
 /// The first plan to which the mount can be brought, of those that avoid the others' yaws.

@@ -6,7 +6,7 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kNear = 0.008;       // m between a contact's points in two readings
+constexpr double kSamePoint = 0.008;  // m between a contact's points in two readings
 constexpr double kForgotten = 0.003;  // of the flashes, each reading: counted over about 3 s
 constexpr double kMaxFlashes = 10;    // where a good sensor's touches begin and end
 
@@ -14,7 +14,7 @@ using Points = std::vector<Eigen::Vector3d>;
 
 bool has_near(const Points& points, const Eigen::Vector3d& p) {
   return std::any_of(points.begin(), points.end(),
-                     [&](const Eigen::Vector3d& other) { return (other - p).norm() < kNear; });
+                     [&](const Eigen::Vector3d& other) { return (other - p).norm() < kSamePoint; });
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 namespace palpate::skills {
 namespace {
 
-constexpr double kMisread = 0.1;  // of the largest torque: friction and error of what is read
-constexpr double kNear = 0.9;     // of the limit, from where the command follows slowly
+constexpr double kMisread = 0.1;    // of the largest torque: friction and error of what is read
+constexpr double kNearLimit = 0.9;  // of the limit, from where the command follows slowly
 constexpr int kApart = 10;   // readings without a contact, after which a fingertip senses nothing
 constexpr int kHeldUp = 10;  // ticks in a row, of a finger that is limited
 
@@ -51,7 +51,7 @@ bool UnsensedForce::limit(int actuator, hand::HandCommand& command, const hand::
                           const hand::HandReading& reading) const {
   const double torque = reading.torques[actuator];
   const double max_torque = max_torques_[actuator];
-  if (std::abs(torque) <= kNear * max_torque) return false;
+  if (std::abs(torque) <= kNearLimit * max_torque) return false;
   const double stiffness = hand_.actuators[static_cast<std::size_t>(actuator)].stiffness;
   const double room = (max_torque - std::abs(torque)) / stiffness;
   double& position = command.positions[actuator];
