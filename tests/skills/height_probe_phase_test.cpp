@@ -97,6 +97,13 @@ TEST(HeightProbePhase, LooksBetweenThePlacesToo) {
   EXPECT_LT((scene.state.place - Eigen::Vector2d(-0.05, 0)).norm(), 1e-9);
 }
 
+TEST(HeightProbePhase, LooksAtTheCornersAtLast) {
+  OverABlock scene(0.08, {0.1, -0.1}, 0.04);
+  const auto end = HeightProbePhase({}).run(scene.robot, scene.state);
+  ASSERT_TRUE(end.ok) << end.outcome;
+  EXPECT_LT((scene.state.place - Eigen::Vector2d(0.1, -0.1)).norm(), 1e-9);
+}
+
 /// An arm that cannot bring the hand to yaws below 0.8 rad.
 struct TurnedHand : hand::FakeHand {
   hand::PathFeasibility check_path(std::span<const hand::MountPosition> way) const override {

@@ -23,9 +23,11 @@ constexpr double kSlowAbove =
 
 constexpr double kYawStep = std::numbers::pi / 6;  // rad between attitudes that are tried
 
-/// Where to probe for the object, as shares of the search's width from its rough place.
-const std::vector<Eigen::Vector2d> kSearch = {{0, 0}, {0.5, 0}, {0, 0.5}, {-0.5, 0}, {0, -0.5},
-                                              {1, 0}, {0, 1},   {-1, 0},  {0, -1}};
+/// Where to probe for the object, as shares of the search's width from its rough place: what a
+/// touch has rolled away may be at the corners.
+const std::vector<Eigen::Vector2d> kSearch = {{0, 0},  {0.5, 0}, {0, 0.5}, {-0.5, 0}, {0, -0.5},
+                                              {1, 0},  {0, 1},   {-1, 0},  {0, -1},   {1, 1},
+                                              {-1, 1}, {-1, -1}, {1, -1}};
 
 }  // namespace
 

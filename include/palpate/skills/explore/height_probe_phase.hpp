@@ -15,7 +15,7 @@ struct HeightProbeOptions {
   double touch_force = 0.7;    ///< N of load on the mount
   double clearance = 0.012;    ///< stop this far above the table, m
   double travel_speed = 0.5;   ///< through the air, m/s
-  double search = 0.10;        ///< m to four sides, half of it first, where nothing is touched
+  double search = 0.10;        ///< m to all sides, half of it first, where nothing is touched
 
   template <class Visitor>
   void visit(Visitor&& v) {
