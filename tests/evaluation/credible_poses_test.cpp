@@ -5,20 +5,18 @@
 
 #include <numbers>
 
+#include "localization/mode_at.hpp"
+
 namespace palpate::evaluation {
 namespace {
 
-localization::Mode mode_at(double x, double weight) {
-  localization::Mode mode;
-  mode.T_frame_object.translation().x() = x;
-  mode.weight = weight;
-  return mode;
-}
+using localization::mode_at;
 
 TEST(CrediblePosesTest, AreSortedAndKeepTheirShares) {
   localization::Posterior posterior;
-  posterior.modes = {mode_at(1, 0.2), mode_at(2, 0.6), mode_at(3, 0.001)};
-  posterior.residual_set = {mode_at(4, 0).T_frame_object, mode_at(5, 0).T_frame_object};
+  posterior.modes = {mode_at({1, 0, 0}, 0.2), mode_at({2, 0, 0}, 0.6), mode_at({3, 0, 0}, 0.001)};
+  posterior.residual_set = {mode_at({4, 0, 0}, 0).T_frame_object,
+                            mode_at({5, 0, 0}, 0).T_frame_object};
   const auto poses = credible_poses(posterior, 10);
   ASSERT_EQ(poses.size(), 4u);
   EXPECT_EQ(poses[0].T_frame_object.translation().x(), 2);
@@ -30,14 +28,14 @@ TEST(CrediblePosesTest, AreSortedAndKeepTheirShares) {
 
 TEST(CrediblePosesTest, AreDrawnWhereAllAreImprobable) {
   localization::Posterior posterior;
-  for (int i = 0; i < 100; ++i) posterior.modes.push_back(mode_at(i, 0.002));
-  posterior.modes.push_back(mode_at(100, 0.0001));
+  for (int i = 0; i < 100; ++i) posterior.modes.push_back(mode_at({1.0 * i, 0, 0}, 0.002));
+  posterior.modes.push_back(mode_at({100, 0, 0}, 0.0001));
   EXPECT_EQ(credible_poses(posterior, 120).size(), 100u);
 }
 
 TEST(CrediblePosesTest, GoAlongAFreeAxis) {
   localization::Posterior posterior;
-  posterior.modes = {mode_at(0.1, 0.9)};
+  posterior.modes = {mode_at({0.1, 0, 0}, 0.9)};
   posterior.modes[0].free_axis = {Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ(),
                                   std::numbers::pi / 2};
   const auto poses = credible_poses(posterior, 100);

@@ -5,19 +5,14 @@
 
 #include <algorithm>
 
+#include "localization/mode_at.hpp"
+
 namespace palpate::localization {
 namespace {
 
 const geometry::ObjectModel& box() {
   static const geometry::ObjectModel model(geometry::load_known_object("box"));
   return model;
-}
-
-localization::Mode mode_at(const Eigen::Vector3d& place, double weight) {
-  localization::Mode mode;
-  mode.T_frame_object.translation() = place;
-  mode.weight = weight;
-  return mode;
 }
 
 const ProbingFinger kBall = {{{Eigen::Vector3d::Zero(), 0.007}}, {}};

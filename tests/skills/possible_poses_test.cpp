@@ -5,15 +5,12 @@
 
 #include <utility>
 
+#include "localization/mode_at.hpp"
+
 namespace palpate::skills {
 namespace {
 
-localization::Mode mode_at(double x, double weight) {
-  localization::Mode mode;
-  mode.T_frame_object.translation().x() = x;
-  mode.weight = weight;
-  return mode;
-}
+using localization::mode_at;
 
 localization::Posterior posterior_of(std::vector<localization::Mode> modes) {
   localization::Posterior posterior;
@@ -22,14 +19,15 @@ localization::Posterior posterior_of(std::vector<localization::Mode> modes) {
 }
 
 TEST(PossiblePoses, ANearlyCertainPoseIsPlannedForAlone) {
-  const auto poses = possible_poses(posterior_of({mode_at(0.1, 0.95), mode_at(0.2, 0.05)}));
+  const auto poses =
+      possible_poses(posterior_of({mode_at({0.1, 0, 0}, 0.95), mode_at({0.2, 0, 0}, 0.05)}));
   ASSERT_EQ(poses.size(), 1u);
   EXPECT_EQ(poses[0].T_world_object.translation().x(), 0.1);
 }
 
 TEST(PossiblePoses, OfSeveralTheBestIsFirstWithTheOthersByWeight) {
-  const auto poses =
-      possible_poses(posterior_of({mode_at(0.1, 0.5), mode_at(0.2, 0.1), mode_at(0.3, 0.4)}));
+  const auto poses = possible_poses(posterior_of(
+      {mode_at({0.1, 0, 0}, 0.5), mode_at({0.2, 0, 0}, 0.1), mode_at({0.3, 0, 0}, 0.4)}));
   ASSERT_EQ(poses.size(), 3u);
   EXPECT_EQ(poses[0].T_world_object.translation().x(), 0.1);
   EXPECT_EQ(poses[1].T_world_object.translation().x(), 0.3);
@@ -38,9 +36,11 @@ TEST(PossiblePoses, OfSeveralTheBestIsFirstWithTheOthersByWeight) {
 }
 
 TEST(PossiblePoses, WithoutWeightAreNotPlannedFor) {
-  const auto one = possible_poses(posterior_of({mode_at(0.1, 0.6), mode_at(0.2, 0)}));
+  const auto one =
+      possible_poses(posterior_of({mode_at({0.1, 0, 0}, 0.6), mode_at({0.2, 0, 0}, 0)}));
   ASSERT_EQ(one.size(), 1u);
-  const auto none = possible_poses(posterior_of({mode_at(0.1, 0), mode_at(0.2, 0)}));
+  const auto none =
+      possible_poses(posterior_of({mode_at({0.1, 0, 0}, 0), mode_at({0.2, 0, 0}, 0)}));
   ASSERT_EQ(none.size(), 1u);
   EXPECT_EQ(none[0].T_world_object.translation().x(), 0.1);
   EXPECT_GT(none[0].weight, 0);
@@ -49,7 +49,7 @@ TEST(PossiblePoses, WithoutWeightAreNotPlannedFor) {
 TEST(PossiblePoses, ThatTurnAboutAnAxisAreTheBestPoseAndTwelveInAllAtMost) {
   localization::Posterior posterior;
   for (int i = 0; i < 3; ++i) {
-    auto mode = mode_at(0.1 * i, i == 0 ? 0.6 : 0.2);
+    auto mode = mode_at({0.1 * i, 0, 0}, i == 0 ? 0.6 : 0.2);
     mode.free_axis = {mode.T_frame_object.translation(), Eigen::Vector3d::UnitZ(), 3};
     posterior.modes.push_back(mode);
   }
