@@ -104,6 +104,13 @@ TEST(HeightProbePhase, LooksAtTheCornersAtLast) {
   EXPECT_LT((scene.state.place - Eigen::Vector2d(0.1, -0.1)).norm(), 1e-9);
 }
 
+TEST(HeightProbePhase, HasTheTimeToLookEverywhere) {
+  OverABlock scene(0, {0, 0}, 0.5);
+  HeightProbePhase phase({});
+  const PhaseReport report = run_phase(phase, scene.robot, scene.state);
+  EXPECT_EQ(report.status, PhaseStatus::failed) << report.robot_seconds << " s";
+}
+
 /// An arm that cannot bring the hand to yaws below 0.8 rad.
 struct TurnedHand : hand::FakeHand {
   hand::PathFeasibility check_path(std::span<const hand::MountPosition> way) const override {

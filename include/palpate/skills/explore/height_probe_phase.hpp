@@ -40,7 +40,7 @@ class HeightProbePhase : public Phase {
                             double tallest = std::numeric_limits<double>::infinity())
       : options_(options), tallest_(tallest) {}
   std::string_view name() const override { return "height_probe"; }
-  double time_limit() const override { return 150.0; }
+  double time_limit() const override { return 240.0; }
   PhaseEnd run(Executor& robot, PickState& state) override;
 
  private:
