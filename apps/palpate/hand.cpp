@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <optional>
@@ -8,6 +7,7 @@
 #include "common.hpp"
 #include "given_command.hpp"
 #include "hand_option.hpp"
+#include "hand_report.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/hand/kinematics.hpp"
@@ -21,6 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kCorrect =
+    "If the thumb, the closing joints, the root or the mount above are wrong, a TOML file corrects "
+    "them (docs/hands.md; keys: palpate options hand check)";
 constexpr const char* kHandHelp = "name of a hand, or an MJCF, URDF or TOML file";
 
 struct CheckArguments {
@@ -28,104 +31,6 @@ struct CheckArguments {
   std::string hand;
   std::string render;
 };
-
-const std::string& joint_name(const hand::Description& hand, int joint) {
-  return hand.joints[static_cast<std::size_t>(joint)].name;
-}
-
-/// Joints that an actuator of the finger moves, from the palm on.
-std::vector<std::string> joints_of(const hand::Description& hand, int finger) {
-  std::vector<std::string> names;
-  for (const hand::Actuator& actuator : hand.actuators) {
-    if (actuator.finger != finger) continue;
-    for (const auto& driven : actuator.joints) names.push_back(joint_name(hand, driven.joint));
-  }
-  return names;
-}
-
-const std::string& tip_link(const hand::Description& hand, const hand::Finger& finger) {
-  return hand.links[static_cast<std::size_t>(finger.link)].name;
-}
-
-/// A fingertip's surface in words.
-std::string shape_of(const hand::Finger& finger) {
-  if (!finger.hull) return fmt::format("capsule, radius {:.1f} mm", 1e3 * finger.tip.radius);
-  return fmt::format("convex, {} corners", finger.hull->core.size());
-}
-
-nlohmann::json tip_json(const hand::Description& hand, const hand::Finger& finger) {
-  nlohmann::json tip = {{"link", tip_link(hand, finger)},
-                        {"shape", finger.hull ? "hull" : "capsule"},
-                        {"radius", finger.tip.radius},
-                        {"length", (finger.tip.b - finger.tip.a).norm()}};
-  if (finger.hull) {
-    tip["corners"] = finger.hull->core.size();
-    tip["edge_radius"] = finger.hull->radius;
-  }
-  return tip;
-}
-
-nlohmann::json hand_json(const simulation::DescribedHand& loaded) {
-  const hand::Description& hand = loaded.hand;
-  auto fingers = nlohmann::json::array(), actuators = nlohmann::json::array();
-  auto problems = nlohmann::json::array();
-  for (int i = 0; i < hand.finger_count(); ++i) {
-    const hand::Finger& finger = hand.fingers[static_cast<std::size_t>(i)];
-    fingers.push_back({{"name", finger.name},
-                       {"thumb", i == hand.thumb},
-                       {"joints", joints_of(hand, i)},
-                       {"tip", tip_json(hand, finger)}});
-  }
-  for (const hand::Actuator& actuator : hand.actuators) {
-    actuators.push_back({{"name", actuator.name},
-                         {"range", {actuator.command.low, actuator.command.high}},
-                         {"stiffness", actuator.stiffness},
-                         {"damping", actuator.damping},
-                         {"max_torque", actuator.max_torque},
-                         {"closing", actuator.closing}});
-  }
-  for (const auto& problem : loaded.problems) {
-    problems.push_back({{"what", problem.what}, {"hint", problem.hint}});
-  }
-  return {{"hand", hand.name},    {"fingers", fingers},        {"actuators", actuators},
-          {"problems", problems}, {"guesses", loaded.guesses}, {"joints", hand.joint_count()}};
-}
-
-void print_hand(const simulation::DescribedHand& loaded) {
-  const hand::Description& hand = loaded.hand;
-  fmt::print("{}: {} fingers, {} joints, {} actuators\n\n", hand.name, hand.finger_count(),
-             hand.joint_count(), hand.actuator_count());
-  std::size_t name_width = 10, tip_width = 18, actuator_width = 22;
-  for (const hand::Finger& finger : hand.fingers) {
-    name_width = std::max(name_width, finger.name.size());
-    tip_width = std::max(tip_width, tip_link(hand, finger).size());
-  }
-  for (const hand::Actuator& actuator : hand.actuators) {
-    actuator_width = std::max(actuator_width, actuator.name.size());
-  }
-  fmt::print("{:<{}} {:<{}} {:<23}  {}\n", "finger", name_width, "fingertip", tip_width, "surface",
-             "joints");
-  for (int i = 0; i < hand.finger_count(); ++i) {
-    const hand::Finger& finger = hand.fingers[static_cast<std::size_t>(i)];
-    fmt::print("{:<{}} {:<{}} {:<23}  {}{}\n", finger.name, name_width, tip_link(hand, finger),
-               tip_width, shape_of(finger), fmt::join(joints_of(hand, i), " "),
-               i == hand.thumb ? "  (thumb)" : "");
-  }
-  fmt::print("\n{:<{}} {:>15} {:>12} {:>10} {:>8}\n", "actuator", actuator_width, "range (rad)",
-             "P (N m/rad)", "max (N m)", "closing");
-  for (const hand::Actuator& actuator : hand.actuators) {
-    fmt::print("{:<{}} {:>15} {:>12.2f} {:>10.2f} {:>8.2f}\n", actuator.name, actuator_width,
-               fmt::format("{:.2f} .. {:.2f}", actuator.command.low, actuator.command.high),
-               actuator.stiffness, actuator.max_torque, actuator.closing);
-  }
-  if (!loaded.guesses.empty()) fmt::print("\nGuessed:\n");
-  for (const auto& guess : loaded.guesses) fmt::print("  {}\n", guess);
-  if (!loaded.problems.empty()) fmt::print("\nProblems:\n");
-  for (const auto& problem : loaded.problems) {
-    fmt::print("  {}: {}\n", problem.what, problem.hint);
-  }
-  if (loaded.problems.empty()) fmt::print("\nNo problems.\n");
-}
 
 /// A name from a hand's file, in that of a picture: it must not name folders.
 std::string in_file_name(std::string name) {
@@ -139,16 +44,30 @@ struct PosturePicture {
   hand::Attitude attitude;
 };
 
+/// The fingers straight, and half closed by the joints that are to close them: of a hand for which
+/// no postures were found.
+std::vector<PosturePicture> closing_pictures(const hand::Description& hand) {
+  std::vector<PosturePicture> pictures;
+  for (const double share : {0.0, 0.5}) {
+    pictures.push_back({share == 0 ? "straight.png" : "half-closed.png",
+                        simulation::partly_closed(hand, share),
+                        {}});
+  }
+  return pictures;
+}
+
 std::vector<PosturePicture> posture_pictures(const hand::Description& hand) {
   const hand::Postures& postures = hand.postures;
+  if (postures.top.attitudes.empty()) return closing_pictures(hand);
   std::vector<PosturePicture> pictures = {
       {"open.png", postures.top.open, postures.top.attitudes.front()},
       {"closed.png", postures.top.closed, postures.top.attitudes.front()},
       {"flat.png", postures.flat.positions, postures.flat.attitude}};
   for (const auto& pointing : postures.pointing) {
     const auto& finger = hand.fingers[static_cast<std::size_t>(pointing.finger)];
-    pictures.push_back(
-        {in_file_name("pointing-" + finger.name) + ".png", pointing.positions, pointing.attitude});
+    std::string name = in_file_name("pointing-" + finger.name);
+    while (std::ranges::count(pictures, name + ".png", &PosturePicture::file) > 0) name += '_';
+    pictures.push_back({name + ".png", pointing.positions, pointing.attitude});
   }
   return pictures;
 }
@@ -170,7 +89,7 @@ void draw_postures(const hand::Description& hand, const fs::path& folder) {
 }
 
 int check(const CheckArguments& arguments) {
-  const auto loaded = load_hand_with_progress(arguments.hand, arguments.common.quiet);
+  const auto loaded = describe_hand_with_progress(arguments.hand, arguments.common.quiet);
   if (!arguments.render.empty()) draw_postures(loaded.hand, arguments.render);
   if (arguments.common.json) {
     print_json(hand_json(loaded));
@@ -178,10 +97,11 @@ int check(const CheckArguments& arguments) {
     print_hand(loaded);
     if (!arguments.render.empty())
       fmt::print("\nThe postures are drawn in {}.\n", arguments.render);
-    if (loaded.problems.empty()) {
+    if (loaded.problems.empty() && loaded.failure.empty()) {
       print_next(arguments.common, "palpate pick --object box --hand " + quoted(arguments.hand));
     }
   }
+  if (!loaded.failure.empty()) throw BadInput(loaded.failure + ". " + kCorrect);
   return kDone;
 }
 

@@ -5,6 +5,8 @@
 
 #include <optional>
 
+#include "given_command.hpp"
+#include "palpate/core/error.hpp"
 #include "palpate/simulation/hand/load_arm.hpp"
 #include "progress_bar.hpp"
 
@@ -26,12 +28,19 @@ CLI::Option& add_arm_option(CLI::App& command, std::string& arm) {
               ->option_text("ARM");
 }
 
-simulation::DescribedHand load_hand_with_progress(const std::string& hand, bool quiet) {
+simulation::DescribedHand describe_hand_with_progress(const std::string& hand, bool quiet) {
   std::optional<ProgressBar> bar;
   return simulation::load_described_hand(hand, 4.0, [&](std::size_t done, std::size_t total) {
     if (!bar) bar.emplace(fmt::format("postures of {}", hand), total, quiet);
     bar->show(done);
   });
+}
+
+simulation::DescribedHand load_hand_with_progress(const std::string& hand, bool quiet) {
+  auto loaded = describe_hand_with_progress(hand, quiet);
+  if (loaded.failure.empty()) return loaded;
+  throw BadInput(fmt::format("{}; `palpate hand check {} --render DIR` shows what was derived",
+                             loaded.failure, quoted(hand)));
 }
 
 evaluation::TrialOptions resolve_trial(const CommonOptions& common, const std::string& hand,

@@ -12,7 +12,11 @@ namespace palpate::app {
 
 CLI::Option& add_hand_option(CLI::App& command, std::string& hand);
 
-/// A hand of a name or file, with a progress bar while its postures are searched for.
+/// A hand of a name or file, with a progress bar while its postures are searched for; it may have
+/// none.
+simulation::DescribedHand describe_hand_with_progress(const std::string& hand, bool quiet);
+
+/// The same. @throws BadInput if it has no postures
 simulation::DescribedHand load_hand_with_progress(const std::string& hand, bool quiet);
 
 CLI::Option& add_arm_option(CLI::App& command, std::string& arm);

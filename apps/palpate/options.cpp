@@ -8,6 +8,7 @@
 #include "common.hpp"
 #include "palpate/core/error.hpp"
 #include "palpate/core/spelling.hpp"
+#include "palpate/simulation/hand/describe_hand.hpp"
 #include "palpate/tactile/biotac/normal.hpp"
 #include "train_biotac.hpp"
 #include "train_relocate.hpp"
@@ -19,12 +20,15 @@ std::vector<OptionInfo> biotac_normal_list() {
   return list_options(tactile::BiotacNormalOptions{});
 }
 
+std::vector<OptionInfo> hand_notes_list() { return list_options(simulation::HandNotes{}); }
+
 /// A command and how its options are listed.
 struct Listed {
   std::string_view command;
   std::vector<OptionInfo> (*options)();
 };
-constexpr Listed kListed[] = {{"pick", pick_option_list},
+constexpr Listed kListed[] = {{"hand check", hand_notes_list},
+                              {"pick", pick_option_list},
                               {"eval", pick_option_list},
                               {"render", pick_option_list},
                               {"replay", replay_option_list},

@@ -36,6 +36,40 @@ class Hand(CliTest):
         self.assertTrue(hands["shadow"]["installed"])
         self.assertFalse(hands["leap"]["installed"])  # the cache of a test is empty
 
+    def test_the_report_has_all_that_a_toml_file_can_correct(self):
+        hand = pathlib.Path(__file__).parents[2] / "examples/hands/three_fingers.xml"
+        mimic = '<equality><joint joint1="index_3" joint2="index_2" polycoef="0 0.7 0 0 0"/></equality>'
+        self.write("hand.xml", hand.read_text().replace("</mujoco>", mimic + "</mujoco>"))
+        report = self.run_json("hand", "check", "hand.xml")
+        self.assertEqual((report["root"], report["palm"]), ("palm", "palm"))
+        drives = {drive["name"]: drive["followers"] for drive in report["actuators"]}
+        self.assertEqual(drives["index_2"], [{"joint": "index_3", "multiplier": 0.7, "offset": 0}])
+        self.assertEqual(drives["ring_2"], [])
+        mount = ", ".join(f"{key} = {value!r}" for key, value in report["mount"].items())
+        self.write("hand.toml", f'model = "hand.xml"\nmount = {{{mount}}}\n')
+        again = self.run_json("hand", "check", "hand.toml")
+        self.assertEqual(again["problems"], report["problems"])
+        for key, value in report["mount"].items():
+            self.assertAlmostEqual(again["mount"][key], value, 9)
+
+    def test_a_hand_that_holds_nothing_is_described_before_it_is_refused(self):
+        hand = pathlib.Path(__file__).parents[2] / "examples/hands/three_fingers.xml"
+        self.write("hand.xml", hand.read_text())
+        self.write("hand.toml", 'model = "hand.xml"\nclosing = "-index_1,-ring_1,-thumb_1"\n')
+        result = self.run_program("hand", "check", "hand.toml")
+        self.assertEqual(result.returncode, BAD_INPUT)
+        self.assertIn("hand.toml: the hand holds nothing", result.stderr)
+        self.assertIn("root palm, palm palm", result.stdout)
+        self.assertIn("index_1", result.stdout)
+        self.assertNotIn("No problems", result.stdout)
+        self.assertIn("`palpate hand check hand.toml --render DIR` shows",
+                      self.refused("pick", "--object", "box", "--hand", "hand.toml"))
+
+    def test_an_arm_is_no_hand_and_the_keys_of_a_hand_are_listed(self):
+        self.assertIn("ur10 is an arm, not a hand", self.refused("hand", "check", "ur10"))
+        keys = {one["key"] for one in self.run_json("options", "hand", "check")["options"]}
+        self.assertLessEqual({"model", "root", "tips", "closing", "mount.given"}, keys)
+
     def test_what_is_no_hand_is_refused_by_every_command(self):
         os.mkfifo(self.folder / "pipe")
         self.write("no_hand.xml", NO_HAND)

@@ -47,12 +47,28 @@ std::string many(int fingers, int hinges) {
   return text + "</body></worldbody></mujoco>";
 }
 
+std::string after_bodies(const std::string& more) {
+  return mjcf("</worldbody>", "</worldbody>" + more);
+}
+
+/// A URDF that collides with a mesh.
+std::string with_mesh(const std::string& file) {
+  return urdf("<box size=\"0.04 0.014 0.014\"/>", "<mesh filename=\"" + file + "\"/>");
+}
+
+std::string nested(int depth) {
+  std::string text = "<mujoco>";
+  for (int i = 0; i < depth; ++i) text += "<default>";
+  return text;
+}
+
 const std::string kToml = "model = \"plain.xml\"\n";
 
 class BrokenHand : public testing::TestWithParam<Broken> {};
 
 TEST_P(BrokenHand, IsRefusedInOneLineThatSaysWhatIsWrong) {
   write_hand("plain.xml", kHandMjcf);
+  write_hand("pointer.stl", "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n");
   const Broken& broken = GetParam();
   const auto file = write_hand(broken.file, broken.text);
   try {
@@ -91,7 +107,47 @@ INSTANTIATE_TEST_SUITE_P(
                     "type=\"capsule\" size=\"0.009\""),
                "nan.xml"},
         Broken{"NegativeMass", "negative.xml",
-               mjcf("<geom type=\"capsule\"", "<geom mass=\"-1\" type=\"capsule\""), "mass"},
+               mjcf("<geom type=\"capsule\"", "<geom mass=\"-1\" type=\"capsule\""),
+               "a shape of the link index_base has a mass of -1 kg"},
+        Broken{"NegativeMassOfALink", "negative.urdf",
+               urdf("mass value=\"0.05\"", "mass value=\"-0.05\""),
+               "the link palm has a mass of -0.05 kg"},
+        Broken{"NanPosition", "nan_position.xml", mjcf("pos=\"0.05 0 0\"", "pos=\"0.05 nan 0\""),
+               "line 10: <body pos=\"0.05 nan 0\"> is not finite"},
+        Broken{"NanLimit", "nan_limit.urdf", urdf("lower=\"0\"", "lower=\"nan\""),
+               "<limit lower=\"nan\"> is not finite"},
+        Broken{"WrongEndTag", "end.urdf", urdf("</link>", "</links>"), "it is not XML, from line"},
+        Broken{"EqualityOfNothing", "typo.xml",
+               after_bodies("<equality><joint joint1=\"index_2\" joint2=\"indx_1\"/></equality>"),
+               "refers to the joint 'indx_1', which the file lacks; did you mean 'index_1'?"},
+        Broken{"ActuatorOfNothing", "typo.xml",
+               after_bodies("<actuator><motor name=\"m\" joint=\"indx_1\"/></actuator>"),
+               "the actuator 'm' refers to the joint 'indx_1'"},
+        Broken{"ExcludeOfNothing", "typo.xml",
+               after_bodies("<contact><exclude body1=\"palm\" body2=\"indx_base\"/></contact>"),
+               "refers to the body 'indx_base'"},
+        Broken{"TendonOfNothing", "typo.xml",
+               after_bodies("<tendon><fixed name=\"t\"><joint joint=\"indx_1\" coef=\"1\"/></fixed>"
+                            "</tendon>"),
+               "the tendon 't' goes over a joint"},
+        Broken{"TwoJointsOfOneName", "twins.urdf",
+               urdf("joint name=\"thumb_1\"", "joint name=\"finger_1\""),
+               "two joints are named 'finger_1'"},
+        Broken{"TwoLinksOfOneName", "twins.urdf",
+               urdf("link name=\"thumb_base\"", "link name=\"finger_base\""),
+               "two links are named 'finger_base'"},
+        Broken{"LinksInACircle", "links.urdf",
+               urdf("parent link=\"palm\"/><child link=\"finger_base\"",
+                    "parent link=\"finger_tip\"/><child link=\"finger_base\""),
+               "is below itself"},
+        Broken{"MeshOfAnotherFormat", "format.urdf", with_mesh("plain.xml"),
+               "plain.xml of link palm is of a format that is not read: convert it to STL or OBJ"},
+        Broken{"MeshIsAPointer", "pointer.urdf", with_mesh("pointer.stl"), "run `git lfs pull`"},
+        Broken{"MeshElsewhere", "elsewhere.urdf", with_mesh("https://example.org/palm.stl"),
+               "is not on this machine"},
+        Broken{"ControlCharacters", "escape.xml",
+               mjcf("name=\"index_tip\"", "name=\"index&#27;tip\""), "has control characters"},
+        Broken{"Nested", "nested.xml", nested(10000), "nested more than 400 deep"},
         Broken{"NanRange", "nan_range.xml", mjcf("range=\"0 1.4\"", "range=\"0 nan\""),
                "nan_range.xml"},
         Broken{"NoJoints", "no_joints.xml",
@@ -141,6 +197,7 @@ INSTANTIATE_TEST_SUITE_P(
                "a shape of link index_base is 1e+06 m large: lengths are metres"},
         Broken{"TipShape", "shape.toml", kToml + "tip_shape = \"ball\"\n",
                "tip_shape = 'ball' is neither capsule nor hull"},
+        Broken{"ModelIsToml", "toml.TOML", "model = \"toml.toml\"\n", "is a TOML file"},
         Broken{"NoModel", "no_model.toml", "thumb = \"thumb\"\n", "model = \"FILE\" is missing"},
         Broken{"ModelGone", "gone.toml", "model = \"gone.xml\"\n", "gone.xml"},
         Broken{"UnknownKey", "key.toml", kToml + "thum = \"thumb\"\n", "did you mean thumb?"},
@@ -152,6 +209,10 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"WrongClosing", "closing.toml", kToml + "closing = \"index_9\"\n", "index_9"},
         Broken{"MountOutOfReach", "mount.toml", kToml + "mount = {given = true, x = 5.0}\n",
                "mount.x = 5.0 is outside"},
+        Broken{"NamesTwice", "names.toml", kToml + "fingers = \"a,b,a\"\n",
+               "fingers names a twice"},
+        Broken{"NoName", "names.toml", kToml + "tips = \"index_tip,,thumb_tip\"\n",
+               "tips = 'index_tip,,thumb_tip' has an empty name"},
         Broken{"NamesOfOtherNumber", "names.toml", kToml + "fingers = \"a,b\"\n",
                "names 2 fingers, but the hand has 3"}),
     [](const auto& given) { return given.param.name; });

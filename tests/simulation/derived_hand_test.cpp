@@ -3,121 +3,42 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 #include <string>
 #include <tuple>
 #include <vector>
 
-#include "core/error_message.hpp"
-#include "hand_files.hpp"
+#include "described_hands.hpp"
 #include "palpate/hand/kinematics.hpp"
-#include "palpate/simulation/hand/describe_hand.hpp"
 #include "palpate/simulation/hand/load_hand.hpp"
 
 namespace palpate::simulation {
 namespace {
 
-DescribedHand described(const std::string& name, const std::string& text,
-                        const HandNotes& notes = {}) {
-  return describe_hand(write_hand(name, text), notes);
-}
-
-/// The hand of two fingers and a thumb, with more after its bodies.
-DescribedHand hand_with(const std::string& more, const HandNotes& notes = {}) {
-  return described("hand.xml", replaced(kHandMjcf, "</worldbody>", "</worldbody>" + more), notes);
-}
-
-std::string why_not(const std::string& more, const HandNotes& notes = {}) {
-  return error_message([&] { hand_with(more, notes); });
-}
-
-const hand::Actuator& actuator(const DescribedHand& described, const std::string& name) {
-  const hand::Description& hand = described.hand;
-  return hand.actuators[static_cast<std::size_t>(hand.actuator(name))];
-}
-
-bool says(const std::vector<std::string>& texts, const std::string& part) {
-  return std::ranges::any_of(
-      texts, [&](const auto& text) { return text.find(part) != std::string::npos; });
-}
-
-bool reports(const DescribedHand& described, const std::string& part) {
-  return std::ranges::any_of(described.problems, [&](const HandProblem& problem) {
-    return (problem.what + ": " + problem.hint).find(part) != std::string::npos;
-  });
-}
-
-std::string with_effort(const std::string& effort) {
-  std::string text = kHandUrdf;
-  while (text.find("effort=\"2\"") != std::string::npos) {
-    text = replaced(text, "effort=\"2\"", "effort=\"" + effort + "\"");
+TEST(Closing, OfSymmetricRangesIsTowardsTheOtherFingers) {
+  const auto symmetric = [](std::string text, const std::vector<std::string>& joints) {
+    for (const std::string& name : joints) {
+      const auto at = text.find("range=\"", text.find("joint name=\"" + name + "\"")) + 7;
+      text.replace(at, 1, fmt::format("-{}", text.substr(at + 2, 3)));
+    }
+    return described("symmetric.xml", text);
+  };
+  const std::vector<std::string> all = {"index_1", "index_2", "ring_1",
+                                        "ring_2",  "thumb_1", "thumb_2"};
+  for (const auto& joints : {std::vector<std::string>{"thumb_1", "thumb_2"}, all}) {
+    const auto result = symmetric(kHandMjcf, joints);
+    for (const std::string& name : all) EXPECT_EQ(actuator(result, name).closing, 1) << name;
+    EXPECT_TRUE(says(result.guesses, "have symmetric ranges"));
   }
-  return text;
-}
-
-TEST(TorqueLimit, OneThatNoFingerHasIsLowered) {
-  const auto result = described("effort.urdf", with_effort("1000"));
-  for (const hand::Actuator& one : result.hand.actuators) {
-    EXPECT_NEAR(one.max_torque / one.lever, 18, 1e-9) << one.name;
+  std::string mirrored = kHandMjcf;  // a finger whose joints turn the other way
+  for (const std::string name : {"ring_1", "ring_2"}) {
+    const std::string joint = "joint name=\"" + name + "\" axis=\"0 ";
+    mirrored = replaced(mirrored, joint + "1", joint + "-1");
   }
-  EXPECT_TRUE(says(result.guesses, "torque limits of 1000 N m would press with"));
-}
-
-TEST(TorqueLimit, TheUsersIsKept) {
-  HandNotes notes;
-  notes.max_torque = 50;
-  const auto result = described("effort.urdf", with_effort("1000"), notes);
-  for (const hand::Actuator& one : result.hand.actuators) EXPECT_EQ(one.max_torque, 50);
-  EXPECT_FALSE(says(result.guesses, "torque limits"));
-}
-
-TEST(TorqueLimit, APlausibleOneIsKept) {
-  const auto result = described("effort.urdf", with_effort("3"));
-  for (const hand::Actuator& one : result.hand.actuators) EXPECT_EQ(one.max_torque, 3);
-}
-
-struct Drive {
-  const char* text;
-  double torque;
-};
-
-TEST(TorqueLimit, ComesFromForceRangeGainAndGear) {
-  for (const auto& [text, torque] : std::initializer_list<Drive>{
-           {"<motor joint='index_1' gear='0.35' ctrlrange='-1 1'/>", 0.35},
-           {"<motor joint='index_1' gear='2' ctrlrange='-1 1' forcerange='-0.2 0.2'/>", 0.4},
-           {"<position joint='index_1' gear='20' kp='0.01' forcerange='-0.03 0.03'/>", 0.6},
-           {"<general joint='index_1' gainprm='0.4' biastype='none' ctrlrange='-1 1'/>", 0.4},
-           {"<position jointinparent='index_1' kp='3' forcerange='-0.7 0.7'/>", 0.7},
-           {"<position tendon='pull' kp='3' forcerange='-0.8 0.8'/>", 0.4},
-           {"<position joint='index_1' kp='3' ctrlrange='0 1.6'/>", 1.0}}) {
-    const auto result =
-        hand_with(fmt::format("<tendon><fixed name='pull'><joint joint='index_1' coef='-0.5'/>"
-                              "</fixed></tendon><actuator>{}</actuator>",
-                              text));
-    EXPECT_NEAR(actuator(result, "index_1").max_torque, torque, 1e-12) << text;
+  const auto result = symmetric(mirrored, all);
+  for (const std::string& name : all) {
+    EXPECT_EQ(actuator(result, name).closing, name.starts_with("ring") ? -1 : 1) << name;
   }
-}
-
-TEST(JointRange, ThatOfTheCommandsWhereTheJointHasNone) {
-  const auto text = replaced(replaced(kHandMjcf, " range=\"0 1.4\"", ""), "</worldbody>",
-                             "</worldbody><actuator><position joint='index_2' kp='3' gear='2' "
-                             "ctrlrange='-0.4 2'/></actuator>");
-  const auto result = described("unlimited.xml", text);
-  EXPECT_NEAR(actuator(result, "index_2").command.low, -0.2, 1e-12);
-  EXPECT_NEAR(actuator(result, "index_2").command.high, 1, 1e-12);
-  EXPECT_TRUE(reports(result, "the commands of its actuator"));
-}
-
-TEST(JointRange, EndsWhereTheCommandsDo) {
-  const auto result = hand_with(
-      "<actuator><position joint='index_1' kp='3' ctrlrange='0 1'/>"
-      "<position joint='index_2' kp='3' ctrlrange='-1 1'/>"
-      "<position joint='ring_1' kp='3' ctrlrange='0 1.55'/>"
-      "<position joint='thumb_1' kp='3' ctrlrange='0 0.1'/></actuator>");
-  EXPECT_NEAR(actuator(result, "index_1").command.high, 1, 1e-12);
-  EXPECT_TRUE(says(result.guesses, "index_1 moves from 0.00 to 1.00 rad"));
-  EXPECT_NEAR(actuator(result, "index_2").command.high, 1.4, 1e-12);  // a default of many files
-  EXPECT_NEAR(actuator(result, "ring_1").command.high, 1.6, 1e-12);   // a rounded one
-  EXPECT_NEAR(actuator(result, "thumb_1").command.high, 1.6, 1e-12);  // would leave next to nothing
 }
 
 /// The hand of two fingers and a thumb, drawn straight where its first joints are at their ends.
@@ -205,6 +126,47 @@ TEST(Fingers, SaysWhichJointsMoveNone) {
   EXPECT_TRUE(reports(described("ear.xml", text), "joints ear_1 belong to no finger"));
 }
 
+TEST(Fingers, ReportsJointsThatCarrySeveral) {
+  EXPECT_TRUE(says(
+      described("knuckles.xml", knuckles("<joint name=\"fold\" axis=\"1 0 0\" range=\"0 0.5\"/>"))
+          .guesses,
+      "joints fold carry several fingers and are held"));
+}
+
+TEST(Fingers, ReportsJointsBeyondTheTipsThatTheUserNames) {
+  HandNotes notes;
+  notes.tips = "index_base,ring_tip,thumb_tip";
+  EXPECT_TRUE(says(hand_with("", notes).guesses, "joints index_2 are beyond the fingertips"));
+}
+
+TEST(Fingers, ReportsShapesOutsideAFingertip) {
+  const std::string capsule =
+      "<geom type=\"capsule\" size=\"0.008\" fromto=\"0.008 0 0 0.03 0 0\"/>";
+  const auto with_nail = [&](const std::string& pos) {
+    return described("nail.xml", replaced(kHandMjcf, capsule,
+                                          capsule +
+                                              "<geom type=\"box\" size=\"0.004 0.006 0.001\" "
+                                              "pos=\"" +
+                                              pos + "\"/>"));
+  };
+  const std::string said = "beyond the fingertip's surface meet nothing: index_tip (";
+  EXPECT_TRUE(says(with_nail("0.03 0 0.014").guesses, said));
+  EXPECT_FALSE(says(with_nail("0.025 0 0.003").guesses, said));
+}
+
+TEST(Root, AnotherHandOfTheFileIsReported) {
+  std::string other = kHandMjcf.substr(kHandMjcf.find("<body name=\"palm\">"));
+  other = other.substr(0, other.find("</worldbody>"));
+  for (std::size_t at = 0; (at = other.find("name=\"", at)) != std::string::npos; at += 8) {
+    other.insert(at + 6, "left_");
+  }
+  const auto text = replaced(kHandMjcf, "</worldbody>", other + "</worldbody>");
+  EXPECT_TRUE(reports(described("two.xml", text), "another body with 6 hinges, left_palm"));
+  HandNotes notes;
+  notes.root = "left_palm";
+  EXPECT_TRUE(described("two.xml", text, notes).problems.empty());
+}
+
 TEST(Fingers, OneDriveForAllIsRefused) {
   const std::string ring =
       "<joint joint1='ring_1' joint2='index_1'/><joint joint1='ring_2' joint2='index_1'/>";
@@ -267,6 +229,20 @@ TEST(Mount, AGivenPoseNeedsNoMoreThanItself) {
   EXPECT_EQ(result.hand.file.T_mount_root.translation(), Eigen::Vector3d(0, 0, 0.09));
 }
 
+TEST(Mount, OneThatIsFarFromTheDerivedIsReported) {
+  const Eigen::Isometry3d derived = hand_with("").hand.file.T_mount_root;
+  HandNotes notes;
+  notes.mount_xyz = derived.translation();
+  const Eigen::Vector3d ypr = derived.linear().eulerAngles(2, 1, 0) * 180 / std::numbers::pi;
+  notes.mount_rpy = ypr.reverse();
+  EXPECT_TRUE(hand_with("", notes).problems.empty());
+  HandNotes turned = notes, away = notes;
+  turned.mount_rpy.x() += 90;
+  EXPECT_TRUE(reports(hand_with("", turned), "the given mount is 90 deg"));
+  away.mount_xyz.z() += 0.3;
+  EXPECT_TRUE(reports(hand_with("", away), "and 300 mm from the one that is derived"));
+}
+
 TEST(FingerNames, AreCutAtSeparatorsOnly) {
   const auto result = described("gripper.xml", gripper());
   EXPECT_EQ(result.hand.fingers[0].name, "left");
@@ -310,6 +286,53 @@ TEST(Followers, AJointMayBeTheFirstOfTwoEqualities) {
       "<joint joint1='index_1' joint2='ring_2'/></equality>");
   EXPECT_EQ(result.hand.actuator_count(), 4);
   EXPECT_EQ(actuator(result, "index_1").joints.size(), 3U);
+}
+
+TEST(Followers, AUrdfsMimicMayBeWrittenInAnyWayOfXml) {
+  const auto share = [&](const std::string& text) {
+    return actuator(described("mimic.urdf", text), "finger&1").joints.at(1).share;
+  };
+  std::string text = kHandUrdf;
+  for (const std::string name : {"joint name=\"finger_1\"", "mimic joint=\"finger_1\""}) {
+    text = replaced(text, name, replaced(name, "_", "&amp;"));
+  }
+  EXPECT_EQ(share(text), 0.8);
+  EXPECT_EQ(share(replaced(text, "<joint name", "<![CDATA[ <joint><mimic> ]]><joint name")), 0.8);
+  EXPECT_EQ(share(replaced(text, "<robot ", "<!-- <mimic> --><robot ")), 0.8);
+}
+
+TEST(Followers, AMimicOfAFixedJointIsNone) {
+  const auto text = replaced(replaced(kHandUrdf, "joint name=\"finger_2\" type=\"revolute\"",
+                                      "joint name=\"finger_2\" type=\"fixed\""),
+                             "joint=\"finger_1\" multiplier", "joint=\"gone\" multiplier");
+  const auto result = described("fixed.urdf", text);
+  EXPECT_EQ(result.hand.joint_count(), 3);
+  EXPECT_TRUE(result.problems.empty()) << result.problems.front().what;
+}
+
+/// By itself the simulator takes a limit of one bound for none.
+TEST(Urdf, IsOneByItsFirstElement) {
+  const auto text = replaced(kHandUrdf, "lower=\"0\" upper=\"1.4\"", "lower=\"-1.3\"");
+  const auto hand = described("robot.xml", "<?xml version='1.0'?><!-- a hand -->" + text).hand;
+  EXPECT_EQ(hand.joints[0].range.high, 0);
+}
+
+TEST(Urdf, AnInfiniteEffortIsNoLimit) {
+  const auto text = replaced(kHandUrdf, "effort=\"2\"", "effort=\"inf\"");
+  EXPECT_TRUE(says(described("effort.urdf", text).guesses,
+                   "1 N m is the torque limit of finger_1, for which the file has none"));
+}
+
+TEST(JointRange, AnInfiniteOneIsNone) {
+  const auto text = replaced(kHandMjcf, "range=\"0 1.4\"", "range=\"-inf inf\"");
+  EXPECT_TRUE(reports(described("infinite.xml", text), "no limits of joint index_2"));
+}
+
+TEST(ClosedLoops, OneThatIsNotActiveIsNone) {
+  EXPECT_EQ(hand_with("<equality><weld body1='index_tip' body2='ring_tip' active='false'/>"
+                      "</equality>")
+                .hand.joint_count(),
+            6);
 }
 
 TEST(Slides, AreRefusedWithTheWayOut) {

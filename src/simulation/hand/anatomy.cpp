@@ -13,21 +13,28 @@ namespace palpate::simulation {
 namespace {
 
 constexpr std::string_view kSeparators = "_-.";  // within names
+constexpr int kJointsOfAHand = 4;                // at least, of what may be another one
 
-int joints_below(mjsBody& body) {
+int joints_below(mjsBody& body, bool hinges_only = false) {
   int count = 0;
   for (mjsElement* e = mjs_firstChild(&body, mjOBJ_JOINT, 1); e; e = mjs_nextChild(&body, e, 1)) {
-    ++count;
+    count += !hinges_only || mjs_asJoint(e)->type == mjJNT_HINGE;
   }
   return count;
 }
 
 }  // namespace
 
-std::vector<std::string> listed(std::string_view names) {
+std::vector<std::string> listed(std::string_view key, std::string_view names) {
   std::vector<std::string> list;
   if (names.empty()) return list;
-  for (const std::string_view name : csv_cells(names)) list.emplace_back(name);
+  for (const std::string_view name : csv_cells(names)) {
+    if (name.empty()) throw BadInput(fmt::format("{} = '{}' has an empty name", key, names));
+    if (std::ranges::find(list, name) != list.end()) {
+      throw BadInput(fmt::format("{} names {} twice", key, name));
+    }
+    list.emplace_back(name);
+  }
   return list;
 }
 
@@ -50,6 +57,18 @@ std::string find_root(mjSpec& spec, const HandNotes& notes) {
   }
   if (root.empty()) throw BadInput("no body of the file has joints: is it a hand?");
   return root;
+}
+
+std::string another_hand(mjSpec& spec, const std::string& root) {
+  mjsBody* world = mjs_findBody(&spec, "world");
+  for (mjsElement* e = mjs_firstChild(world, mjOBJ_BODY, 0); e; e = mjs_nextChild(world, e, 0)) {
+    const std::string name = mjs_getString(mjs_getName(e));
+    const int hinges = joints_below(*mjs_asBody(e), true);
+    if (name == root || hinges < kJointsOfAHand) continue;
+    return fmt::format("the file has another body with {} hinges, {}, which is left out", hinges,
+                       name);
+  }
+  return {};
 }
 
 Anatomy::Anatomy(const mjModel& model, const std::string& root, const HandNotes& notes,
@@ -146,7 +165,7 @@ void Anatomy::find_fingers(const HandNotes& notes) {
     if (joints_in(child) > 0) add_fingers(child);
   }
   choose_tips(notes);
-  const auto names = listed(notes.fingers);
+  const auto names = listed("fingers", notes.fingers);
   if (!names.empty() && names.size() != fingers_.size()) {
     throw BadInput(fmt::format("fingers = '{}' names {} fingers, but the hand has {}",
                                notes.fingers, names.size(), fingers_.size()));
@@ -178,10 +197,9 @@ Chain Anatomy::chain_to(const std::string& name) const {
 void Anatomy::choose_tips(const HandNotes& notes) {
   if (notes.tips.empty()) return;
   std::vector<Chain> chosen;
-  for (const std::string& name : listed(notes.tips)) {
+  for (const std::string& name : listed("tips", notes.tips)) {
     const Chain chain = chain_to(name);
     for (const Chain& other : chosen) {
-      if (other.tip == chain.tip) throw BadInput(fmt::format("tips names {} twice", name));
       if (!is_below(chain.tip, other.tip) && !is_below(other.tip, chain.tip)) continue;
       throw BadInput(fmt::format("tips: {} and {} are of one finger", name,
                                  model_name(model_, mjOBJ_BODY, other.tip)));
@@ -191,14 +209,32 @@ void Anatomy::choose_tips(const HandNotes& notes) {
   fingers_ = chosen;
 }
 
+/// Whether a body is part of one of the fingers.
+bool Anatomy::is_in_finger(int body) const {
+  return std::ranges::any_of(
+      fingers_, [&](const Chain& finger) { return std::ranges::count(finger.bodies, body) > 0; });
+}
+
+/// Whether a body carries a fingertip.
+bool Anatomy::carries_tip(int body) const {
+  return std::ranges::any_of(fingers_,
+                             [&](const Chain& finger) { return is_below(finger.tip, body); });
+}
+
 std::vector<int> Anatomy::joints_of_no_finger() const {
   std::vector<int> result;
   for (int joint = 0; joint < model_.njnt; ++joint) {
     const int body = model_.jnt_bodyid[joint];
-    const bool used = !is_below(body) || std::ranges::any_of(fingers_, [&](const Chain& finger) {
-      return is_below(finger.tip, body) || std::ranges::count(finger.bodies, body) > 0;
-    });
-    if (!used) result.push_back(joint);
+    if (is_below(body) && !carries_tip(body) && !is_in_finger(body)) result.push_back(joint);
+  }
+  return result;
+}
+
+std::vector<int> Anatomy::joints_before_fingers() const {
+  std::vector<int> result;
+  for (int joint = 0; joint < model_.njnt; ++joint) {
+    const int body = model_.jnt_bodyid[joint];
+    if (is_below(body) && carries_tip(body) && !is_in_finger(body)) result.push_back(joint);
   }
   return result;
 }

@@ -12,7 +12,8 @@
 namespace palpate::simulation {
 
 /// Names that a user has listed, separated by commas.
-std::vector<std::string> listed(std::string_view names);
+/// @throws BadInput, naming the key, for one that is empty or there twice
+std::vector<std::string> listed(std::string_view key, std::string_view names);
 
 /// Name of a thing in the model; empty for one without.
 std::string model_name(const mjModel& model, mjtObj type, int id);
@@ -20,6 +21,9 @@ std::string model_name(const mjModel& model, mjtObj type, int id);
 /// The hand's first body: the one with most joints below it.
 /// @throws BadInput if no body has joints
 std::string find_root(mjSpec& spec, const HandNotes& notes);
+
+/// That the file has another body with joints enough for a hand, in words; empty: it has none.
+std::string another_hand(mjSpec& spec, const std::string& root);
 
 struct Chain {
   std::string name;
@@ -47,11 +51,15 @@ class Anatomy {
   bool is_below(int body, int above) const;
   /// Joints that move no fingertip, from the root on.
   std::vector<int> joints_of_no_finger() const;
+  /// Joints that move several fingertips, as a wrist's, from the root on.
+  std::vector<int> joints_before_fingers() const;
 
  private:
   int joints_in(int body) const;
   int driven_joints_in(int body) const;
   bool collides(int body) const;
+  bool is_in_finger(int body) const;
+  bool carries_tip(int body) const;
   int find_palm() const;
   std::vector<int> longest_chain(int body) const;
   std::vector<int> limbs(int body) const;

@@ -9,13 +9,16 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/hand/kinematics.hpp"
+#include "palpate/simulation/hand/describe_hand.hpp"
+#include "simulation/hand/model_checks.hpp"
 
 namespace palpate::simulation {
 namespace {
 
-constexpr double kAlike = 0.7;    // cosine between axes of joints that close a finger
-constexpr double kTried = 0.3;    // rad
-constexpr double kOpened = 0.02;  // m, by which a tip that is to close goes outwards
+constexpr double kAlike = 0.7;       // cosine between axes of joints that close a finger
+constexpr double kTried = 0.3;       // rad
+constexpr double kAlikeWays = 1e-3;  // m: neither way brings a tip nearer to the others
+constexpr double kOpened = 0.02;     // m, by which a tip that is to close goes outwards
 
 /// Axis of the first joint that an actuator moves, in the mount's frame.
 Eigen::Vector3d axis_of(const hand::Description& hand, const hand::Actuator& actuator) {
@@ -28,28 +31,52 @@ Eigen::Vector3d axis_of(const hand::Description& hand, const hand::Actuator& act
   return Eigen::Vector3d::Zero();
 }
 
-/// Which way an actuator whose range does not determine it closes its finger: towards the thumb's
-/// tip; that of a thumb towards the middle of the others. All else is straight.
-double towards_others(const hand::Description& hand, int actuator) {
-  hand::ActuatorVector positions(hand.actuator_count());
-  for (int i = 0; i < hand.actuator_count(); ++i) {
-    positions[i] = hand::straight_command(hand.actuators[static_cast<std::size_t>(i)]);
-  }
+/// By how much nearer to a point an actuator moves its finger's tip by turning forwards, not
+/// backwards, m.
+double nearer_forwards(const hand::Description& hand, int actuator,
+                       const hand::ActuatorVector& positions, const Eigen::Vector3d& goal) {
   const int finger = hand.actuators[static_cast<std::size_t>(actuator)].finger;
-  const auto straight = fingertips(hand, positions);
-  Eigen::Vector3d goal = Eigen::Vector3d::Zero();
-  for (int other = 0; other < hand.finger_count(); ++other) {
-    const double fingers = hand.finger_count() - 1;
-    const bool thumb = other == hand.thumb;
-    const double share = finger == hand.thumb ? (thumb ? 0 : 1 / fingers) : thumb;
-    goal += share * straight[static_cast<std::size_t>(other)];
-  }
   const auto distance = [&](double by) {
     hand::ActuatorVector moved = positions;
     moved[actuator] += by;
     return (fingertips(hand, moved)[static_cast<std::size_t>(finger)] - goal).norm();
   };
-  return distance(kTried) <= distance(-kTried) ? 1 : -1;
+  return distance(-kTried) - distance(kTried);
+}
+
+/// Middle of the tips of the fingers that a predicate holds for; not finite where there are none.
+template <class Predicate>
+Eigen::Vector3d middle_of_tips(const hand::Description& hand, const hand::ActuatorVector& positions,
+                               const Predicate& is_meant) {
+  const auto tips = fingertips(hand, positions);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0;
+  for (int finger = 0; finger < hand.finger_count(); ++finger) {
+    if (!is_meant(finger)) continue;
+    sum += tips[static_cast<std::size_t>(finger)];
+    ++count;
+  }
+  return sum / count;
+}
+
+/// Which way an actuator whose range does not determine it closes its finger: towards the straight
+/// thumb, or a thumb's towards the middle of the others. Where both ways are alike, as on a flat
+/// open hand: to where those fingers go that are known to close, or else forwards.
+double towards_others(const hand::Description& hand, int actuator) {
+  const int own = hand.actuators[static_cast<std::size_t>(actuator)].finger;
+  const hand::ActuatorVector straight = partly_closed(hand, 0), half = partly_closed(hand, 0.5);
+  const auto opposed = [&](int finger) { return (finger == hand.thumb) != (own == hand.thumb); };
+  const auto known = [&](int finger) {
+    return finger != own && std::ranges::any_of(hand.actuators, [&](const hand::Actuator& one) {
+             return one.finger == finger && one.closing != 0;
+           });
+  };
+  double nearer =
+      nearer_forwards(hand, actuator, straight, middle_of_tips(hand, straight, opposed));
+  if (std::abs(nearer) < kAlikeWays) {
+    nearer = nearer_forwards(hand, actuator, half, middle_of_tips(hand, half, known));
+  }
+  return nearer < 0 ? -1 : 1;
 }
 
 /// Where a finger begins, m: at the first of its joints that close it.
@@ -130,6 +157,21 @@ void derive_closing(hand::Description& hand) {
       if (bends && one(i).closing == 0) one(i).closing = towards_others(hand, own[i]);
     }
   }
+}
+
+std::string symmetric_joints(const hand::Description& hand) {
+  hand::Description derived = hand;
+  derive_closing(derived);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < hand.actuators.size(); ++i) {
+    const hand::Actuator& one = hand.actuators[i];
+    if (one.finger >= 0 && one.closing == 0 && derived.actuators[i].closing != 0) {
+      names.push_back(one.name);
+    }
+  }
+  if (names.empty()) return {};
+  return fmt::format("joints {} have symmetric ranges: they close towards the other fingers",
+                     first_of(names));
 }
 
 bool reverse_if_closed_at_zero(hand::Description& hand) {

@@ -15,6 +15,10 @@ std::vector<Eigen::Vector3d> fingertips(const hand::Description& hand,
 /// Whether every finger has an actuator whose range goes mainly one way, by which it closes.
 bool ranges_determine_closing(const hand::Description& hand);
 
+/// The joints of fingers whose range does not determine which way they close, in words; empty:
+/// none.
+std::string symmetric_joints(const hand::Description& hand);
+
 /// Every finger's last actuator closes it, and those before that turn about an axis like its. Of a
 /// thumb the last two at most do; those before set it against the fingers. They close the way that
 /// their ranges mainly go, or else towards the other fingers.

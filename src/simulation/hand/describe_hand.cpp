@@ -20,18 +20,16 @@
 #include "simulation/hand/model_checks.hpp"
 #include "simulation/hand/mount_frame.hpp"
 #include "simulation/hand/overlapping_links.hpp"
+#include "simulation/hand/read_joints.hpp"
 #include "simulation/hand/tip_capsule.hpp"
 
 namespace palpate::simulation {
 namespace {
 
-constexpr double kTipStiffness = 300;                      // N/m, of a servo at the fingertip
-constexpr double kMinStiffness = 0.5, kMaxStiffness = 12;  // N m/rad
-constexpr double kNaturalFrequency = 40;                   // rad/s, of a joint on its servo
-constexpr double kUsualTorque = 1.0;                       // N m, where the file names no limit
-constexpr double kOneSided = 0.3;  // asymmetry of a range from which a joint flexes a finger
-constexpr double kLeastBend = 0.1, kUsualBend = 1.57;  // rad: suspiciously few; without limits
-constexpr double kHalf = 0.35;  // share of the way to closed at which the hand is measured
+constexpr double kUsualTorque = 1.0;  // N m, where the file names no limit
+constexpr double kOneSided = 0.3;     // asymmetry of a range from which a joint flexes a finger
+constexpr double kOutside = 0.005;    // m beyond a fingertip's surface at which a shape is missed
+constexpr double kHalf = 0.35;        // share of the way to closed at which the hand is measured
 
 class Describer {
  public:
@@ -48,20 +46,22 @@ class Describer {
 
   DescribedHand run() {
     result_.hand.file.root = find_root(*spec_, notes_);
+    if (notes_.root.empty()) {
+      problem(another_hand(*spec_, result_.hand.file.root),
+              "root = \"BODY\" in a TOML file takes it");
+    }
     keep_hand_only(*spec_, result_.hand.file.root);
     const ModelHandle model = compile(*spec_);
-    check_masses(*model);
     check_shapes(*model);
     refuse_closed_loops(*model);
-    problem(left_out_tendons(*model),
-            "their joints get a drive each; tie joints by an equality instead");
+    problem(left_out_tendons(*model), "joints get a drive each; tie them by an equality instead");
     if (const int joints = springs(*model); joints > 0) {
       problem(fmt::format("springs of {} joints are left out", joints), "servos hold the joints");
     }
     mimics_ = mimic_joints(*model, file_);
     const Anatomy anatomy(*model, result_.hand.file.root, notes_, mimics_);
     refuse_slides(*model, anatomy);
-    read_joints(*model, anatomy);
+    joint_ids_ = read_joints(*model, anatomy, result_);
     read_fingers(*model, anatomy);
     report_joints(*model, anatomy);
     add_drives(*model);
@@ -70,12 +70,17 @@ class Describer {
     measure(anatomy, *model);
     check_size(hand());
     choose_thumb(*model);
+    if (notes_.closing.empty()) guess(symmetric_joints(hand()));
     if (!ranges_determine_closing(hand())) set_closing();
     if (notes_.closing.empty() && reverse_if_closed_at_zero(hand())) guess("0 is the closed hand");
     place_mount();
     set_closing();
-    set_gains(*model);
+    set_gains(*model, joint_ids_, posture(kHalf), hand());
+    guess(fmt::format("servos of {:.0f} N/m at the fingertip, critically damped", kTipStiffness));
     if (notes_.max_torque == 0) guess(lower_torque_limits(hand()));
+    for (HandProblem& one : check_drives(*model, joint_ids_, notes_.max_torque > 0, hand())) {
+      result_.problems.push_back(std::move(one));
+    }
     exclude_overlaps();
     return std::move(result_);
   }
@@ -94,12 +99,10 @@ class Describer {
     if (notes_.closing.empty()) {
       derive_closing(hand());
     } else {
-      simulation::set_closing(listed(notes_.closing), hand());
+      simulation::set_closing(listed("closing", notes_.closing), hand());
     }
   }
 
-  void read_joints(const mjModel& model, const Anatomy& anatomy);
-  hand::Range range_without_limits(const mjModel& model, int joint);
   void read_fingers(const mjModel& model, const Anatomy& anatomy);
   void report_joints(const mjModel& model, const Anatomy& anatomy);
   void add_drives(const mjModel& model);
@@ -109,8 +112,6 @@ class Describer {
   int first_link(const mjModel& model, std::size_t finger) const;
   void choose_thumb(const mjModel& model);
   void place_mount();
-  Eigen::Isometry3d derived_mount();
-  void set_gains(const mjModel& model);
   void exclude_overlaps();
   int finger_of(int body) const;
   hand::ActuatorVector posture(double share) const;
@@ -126,50 +127,13 @@ class Describer {
   std::vector<MimicJoint> mimics_;  // by name
 };
 
-void Describer::read_joints(const mjModel& model, const Anatomy& anatomy) {
-  std::vector<std::string> stiff;
-  for (int joint = 0; joint < model.njnt; ++joint) {
-    if (!anatomy.is_below(model.jnt_bodyid[joint])) continue;
-    const std::string name = model_name(model, mjOBJ_JOINT, joint);
-    hand::Range range{model.jnt_range[2 * joint], model.jnt_range[2 * joint + 1]};
-    check_limits(name, range);
-    if (!model.jnt_limited[joint] || !(range.high > range.low)) {
-      range = range_without_limits(model, joint);
-      check_limits(name, range);
-    }
-    if (range.high - range.low < kLeastBend) stiff.push_back(name);
-    hand().joints.push_back({name, range});
-    joint_ids_.push_back(joint);
-  }
-  if (!stiff.empty()) {
-    problem(fmt::format("joints turn by less than {} rad: {}", kLeastBend, first_of(stiff)),
-            "are their limits in radians where the file's angles are degrees?");
-  }
-  if (hand().joints.empty()) throw BadInput("the hand has no joints");
-  if (hand().joint_count() > hand::kMaxJoints) {
-    throw BadInput(fmt::format("the hand has {} joints, but at most {} are possible",
-                               hand().joint_count(), hand::kMaxJoints));
-  }
-}
-
-/// That of its actuator's commands, else a usual one.
-hand::Range Describer::range_without_limits(const mjModel& model, int joint) {
-  const mjtNum* const given = model.jnt_range + 2 * joint;
-  const auto commanded = commanded_range(model, joint);
-  const hand::Range range = commanded.value_or(hand::Range{0, kUsualBend});
-  problem(fmt::format("{} of joint {}", given[1] < given[0] ? "reversed limits" : "no limits",
-                      model_name(model, mjOBJ_JOINT, joint)),
-          fmt::format("give it a range in the file; {:.3g} .. {:.3g} rad is used{}", range.low,
-                      range.high, commanded ? ", the commands of its actuator" : ""));
-  return range;
-}
-
 void Describer::read_fingers(const mjModel& model, const Anatomy& anatomy) {
   chains_ = anatomy.fingers();
   if (notes_.fingers.empty()) shorten(chains_);
   if (chains_.size() < 2) {
     throw BadInput(fmt::format(
-        "{} found below {}; a hand needs two that can collide (name the palm or the tips)",
+        "{} found below the palm {}; a hand needs two that can collide: root, palm or tips in a "
+        "TOML file names its first body, its palm or its fingertips",
         chains_.empty() ? "no finger" : "one finger",
         model_name(model, mjOBJ_BODY, anatomy.palm())));
   }
@@ -177,6 +141,7 @@ void Describer::read_fingers(const mjModel& model, const Anatomy& anatomy) {
     throw BadInput(fmt::format("the hand has {} fingers, but at most {} are possible",
                                chains_.size(), hand::kMaxFingers));
   }
+  std::vector<std::string> outside;
   for (const Chain& chain : chains_) {
     hand::Finger finger{chain.name, -1, {}};
     int jointed = chain.tip;  // the body whose joint moves the tip
@@ -187,9 +152,18 @@ void Describer::read_fingers(const mjModel& model, const Anatomy& anatomy) {
     for (int body = chain.tip; body != jointed; body = model.body_parentid[body]) {
       T_jointed_tip = pose3(model.body_pos + 3 * body, model.body_quat + 4 * body) * T_jointed_tip;
     }
-    fit_surface(model, chain.tip, T_jointed_tip.inverse().translation(), notes_.tip_shape, finger);
+    const Eigen::Vector3d p_base = T_jointed_tip.inverse().translation();
+    fit_surface(model, chain.tip, p_base, notes_.tip_shape, finger);
+    if (const double beyond = reach_beyond(model, chain.tip, p_base, finger); beyond > kOutside) {
+      outside.push_back(
+          fmt::format("{} ({:.0f} mm)", model_name(model, mjOBJ_BODY, chain.tip), 1e3 * beyond));
+    }
     hand().fingers.push_back(finger);
   }
+  if (outside.empty()) return;
+  guess(fmt::format(
+      "shapes of the last links that reach beyond the fingertip's surface meet nothing: {}",
+      first_of(outside)));
 }
 
 /// Says which joints are locked, and which move no finger.
@@ -198,14 +172,26 @@ void Describer::report_joints(const mjModel& model, const Anatomy& anatomy) {
     if (mimic.ratio != 0) continue;
     guess(fmt::format("joint {} is locked at {:.2f} rad", mimic.joint, mimic.offset));
   }
-  if (!notes_.tips.empty()) return;
-  std::vector<std::string> lost;
-  for (const int joint : anatomy.joints_of_no_finger()) {
-    lost.push_back(model_name(model, mjOBJ_JOINT, joint));
+  const auto named = [&](const std::vector<int>& joints) {
+    std::vector<std::string> names;
+    for (const int joint : joints) names.push_back(model_name(model, mjOBJ_JOINT, joint));
+    return names;
+  };
+  if (const auto carry = named(anatomy.joints_before_fingers()); !carry.empty()) {
+    guess(
+        fmt::format("joints {} carry several fingers and are held; root = \"BODY\" in a TOML file "
+                    "leaves out those above it",
+                    first_of(carry)));
   }
+  const auto lost = named(anatomy.joints_of_no_finger());
   if (lost.empty()) return;
-  problem(fmt::format("joints {} belong to no finger", fmt::join(lost, ", ")),
-          "if they should, name every fingertip: tips = \"BODY,BODY\" in a TOML file");
+  if (notes_.tips.empty()) {
+    problem(fmt::format("joints {} belong to no finger", fmt::join(lost, ", ")),
+            "if they should, name every fingertip: tips = \"BODY,BODY\" in a TOML file");
+  } else {
+    guess(fmt::format("joints {} are beyond the fingertips or of no finger, and are held",
+                      first_of(lost)));
+  }
 }
 
 int Describer::finger_of(int body) const {
@@ -218,6 +204,7 @@ int Describer::finger_of(int body) const {
 
 void Describer::add_drives(const mjModel& model) {
   for (const int joint : joint_ids_) finger_of_joint_.push_back(finger_of(model.jnt_bodyid[joint]));
+  std::vector<std::string> unlimited;
   for (int joint = 0; joint < hand().joint_count(); ++joint) {
     const hand::Joint& one = hand().joints[static_cast<std::size_t>(joint)];
     const auto follows = [&](const MimicJoint& mimic) { return mimic.joint == one.name; };
@@ -231,11 +218,18 @@ void Describer::add_drives(const mjModel& model) {
     add_followers(actuator);
     actuator.finger = finger_of_joint_[static_cast<std::size_t>(joint)];
     actuator.max_torque = torque_of(model, joint);
+    if (actuator.max_torque == 0) {
+      actuator.max_torque = kUsualTorque;
+      unlimited.push_back(one.name);
+    }
     if (actuator.finger >= 0 && std::abs(high + low) > kOneSided * (high - low)) {
       actuator.closing = high + low > 0 ? 1 : -1;
     }
     hand().actuators.push_back(actuator);
   }
+  if (unlimited.empty()) return;
+  guess(fmt::format("{} N m is the torque limit of {}, for which the file has none", kUsualTorque,
+                    first_of(unlimited)));
 }
 
 /// The joints that follow an actuator's first, which then goes no farther than they can.
@@ -259,11 +253,10 @@ void Describer::add_followers(hand::Actuator& actuator) {
   actuator.command = led;
 }
 
-/// N m: the user's, the file's or a usual one.
+/// N m: the user's or the file's; 0 where there is none.
 double Describer::torque_of(const mjModel& model, int joint) const {
   if (notes_.max_torque > 0) return notes_.max_torque;
-  const double limit = torque_limit(model, joint_ids_[static_cast<std::size_t>(joint)]);
-  return limit > 0 ? limit : kUsualTorque;
+  return torque_limit(model, joint_ids_[static_cast<std::size_t>(joint)]);
 }
 
 /// Puts the fingertips in and reads links, with the root at the mount.
@@ -332,41 +325,20 @@ void Describer::choose_thumb(const mjModel& model) {
 }
 
 void Describer::place_mount() {
-  hand().file.T_mount_root = has_mount(notes_) ? given_mount(notes_) : derived_mount();
-  hand().links.front().T_parent_link = hand().file.T_mount_root;
-}
-
-Eigen::Isometry3d Describer::derived_mount() {
   const auto T = hand::forward_kinematics(hand(), hand::joints_in_free_flexion(hand(), posture(0)));
-  const MountFrame frame =
+  const MountFrame derived =
       derive_mount({tips_at(0.1), tips_at(kHalf), tips_at(kHalf + 0.2)},
                    T[static_cast<std::size_t>(hand().palm)].translation(), hand().thumb);
-  guess(frame.points_down ? "the fingers point down from the mount"
-                          : "the palm faces down from the mount");
-  return frame.T_root_mount.inverse();
-}
-
-void Describer::set_gains(const mjModel& model) {
-  const auto joints = hand::joints_in_free_flexion(hand(), posture(kHalf));
-  const auto T = hand::forward_kinematics(hand(), joints);
-  for (hand::Actuator& one : hand().actuators) {
-    if (one.finger >= 0) {
-      const hand::Finger& finger = hand().fingers[static_cast<std::size_t>(one.finger)];
-      const auto J = hand::jacobian(hand(), joints, finger.link, finger.tip.b);
-      Eigen::Vector3d moved = Eigen::Vector3d::Zero();
-      for (const auto& driven : one.joints) moved += driven.share * J.col(driven.joint).tail<3>();
-      one.lever = std::max(0.01, moved.norm());
-    } else {
-      one.lever = 0.18;
-    }
-    one.stiffness = std::clamp(kTipStiffness * one.lever * one.lever, kMinStiffness, kMaxStiffness);
-    one.armature = one.stiffness / (kNaturalFrequency * kNaturalFrequency);
-    const int dof =
-        model.jnt_dofadr[joint_ids_[static_cast<std::size_t>(one.joints.front().joint)]];
-    const double own = model.dof_M0[dof];
-    one.damping = 2 * std::sqrt(one.stiffness * (one.armature + own));
+  hand().file.T_mount_root = derived.T_root_mount.inverse();
+  if (has_mount(notes_)) {
+    hand().file.T_mount_root = given_mount(notes_);
+    problem(far_from(given_mount(notes_), derived.T_root_mount.inverse()),
+            "compare the pictures of `palpate hand render`; without `mount` it is derived");
+  } else {
+    guess(derived.points_down ? "the fingers point down from the mount"
+                              : "the palm faces down from the mount");
   }
-  guess(fmt::format("servos of {:.0f} N/m at the fingertip, critically damped", kTipStiffness));
+  hand().links.front().T_parent_link = hand().file.T_mount_root;
 }
 
 /// Links of the hand that overlap wherever it moves may go on doing so.
@@ -386,6 +358,17 @@ void Describer::exclude_overlaps() {
 }
 
 }  // namespace
+
+hand::ActuatorVector partly_closed(const hand::Description& hand, double share) {
+  hand::ActuatorVector positions(hand.actuator_count());
+  for (int i = 0; i < hand.actuator_count(); ++i) {
+    const hand::Actuator& one = hand.actuators[static_cast<std::size_t>(i)];
+    const double straight = hand::straight_command(one);
+    positions[i] =
+        one.closing == 0 ? straight : straight + share * (hand::closed_command(one) - straight);
+  }
+  return positions;
+}
 
 DescribedHand describe_hand(const std::filesystem::path& file, const HandNotes& notes) {
   try {

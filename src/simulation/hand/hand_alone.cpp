@@ -1,59 +1,96 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/hand/hand_alone.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
+#include <string>
+#include <vector>
 
 #include "palpate/core/error.hpp"
+#include "palpate/core/spelling.hpp"
 #include "simulation/hand/hand_spec.hpp"
 
 namespace palpate::simulation {
 namespace {
 
-bool has(const mjSpec& spec, mjtObj type, const mjString* name) {
-  return mjs_findElement(&spec, type, mjs_getString(name)) != nullptr;
-}
+/// What an element of a model refers to by name.
+struct Reference {
+  mjtObj type;
+  std::string name;
+};
 
-bool is_world(const mjString* body) {
-  const std::string_view name = mjs_getString(body);
-  return name.empty() || name == "world";
-}
+bool is_world(const std::string& body) { return body.empty() || body == "world"; }
 
-/// The mount carries the hand: ties to the world count as ties to what is gone.
-bool is_dangling(const mjSpec& spec, const mjsEquality& tie) {
-  const bool one_only = std::string_view(mjs_getString(tie.name2)).empty();
-  if (tie.type == mjEQ_JOINT || tie.type == mjEQ_TENDON) {
-    const mjtObj type = tie.type == mjEQ_JOINT ? mjOBJ_JOINT : mjOBJ_TENDON;
-    return !has(spec, type, tie.name1) || !(one_only || has(spec, type, tie.name2));
+std::vector<Reference> references_of(const mjsEquality& tie) {
+  const std::string one = mjs_getString(tie.name1), other = mjs_getString(tie.name2);
+  mjtObj type = mjOBJ_UNKNOWN;
+  if (tie.type == mjEQ_JOINT) type = mjOBJ_JOINT;
+  if (tie.type == mjEQ_TENDON) type = mjOBJ_TENDON;
+  if (tie.type == mjEQ_CONNECT || tie.type == mjEQ_WELD) {
+    type = tie.objtype == mjOBJ_SITE ? mjOBJ_SITE : mjOBJ_BODY;
   }
-  if (tie.type != mjEQ_CONNECT && tie.type != mjEQ_WELD) return false;
-  const mjtObj type = tie.objtype == mjOBJ_SITE ? mjOBJ_SITE : mjOBJ_BODY;
-  if (type == mjOBJ_BODY && (is_world(tie.name1) || is_world(tie.name2))) return true;
-  return !has(spec, type, tie.name1) || !has(spec, type, tie.name2);
+  if (type == mjOBJ_UNKNOWN) return {};
+  if (other.empty()) return {{type, one}};
+  return {{type, one}, {type, other}};
 }
 
-bool is_dangling(const mjSpec& spec, const mjsActuator& actuator) {
-  const auto lacks = [&](mjtObj type, const mjString* name) { return !has(spec, type, name); };
+std::vector<Reference> references_of(const mjsActuator& actuator) {
+  const std::string target = mjs_getString(actuator.target);
   switch (actuator.trntype) {
     case mjTRN_JOINT:
     case mjTRN_JOINTINPARENT:
-      return lacks(mjOBJ_JOINT, actuator.target);
+      return {{mjOBJ_JOINT, target}};
     case mjTRN_TENDON:
-      return lacks(mjOBJ_TENDON, actuator.target);
+      return {{mjOBJ_TENDON, target}};
     case mjTRN_BODY:
-      return lacks(mjOBJ_BODY, actuator.target);
+      return {{mjOBJ_BODY, target}};
     case mjTRN_SLIDERCRANK:
-      return lacks(mjOBJ_SITE, actuator.target) || lacks(mjOBJ_SITE, actuator.slidersite);
-    case mjTRN_SITE:
-      return lacks(mjOBJ_SITE, actuator.target) ||
-             (*mjs_getString(actuator.refsite) && lacks(mjOBJ_SITE, actuator.refsite));
+      return {{mjOBJ_SITE, target}, {mjOBJ_SITE, mjs_getString(actuator.slidersite)}};
+    case mjTRN_SITE: {
+      const std::string other = mjs_getString(actuator.refsite);
+      if (other.empty()) return {{mjOBJ_SITE, target}};
+      return {{mjOBJ_SITE, target}, {mjOBJ_SITE, other}};
+    }
     default:
-      return false;
+      return {};
   }
 }
 
-bool is_dangling(const mjsTendon& tendon) {
+std::vector<Reference> references_of(mjsElement& element) {
+  const auto followed = [](const mjString* body) -> std::vector<Reference> {
+    if (!*mjs_getString(body)) return {};
+    return {{mjOBJ_BODY, mjs_getString(body)}};
+  };
+  switch (element.elemtype) {
+    case mjOBJ_EQUALITY:
+      return references_of(*mjs_asEquality(&element));
+    case mjOBJ_ACTUATOR:
+      return references_of(*mjs_asActuator(&element));
+    case mjOBJ_EXCLUDE:
+      return {{mjOBJ_BODY, mjs_getString(mjs_asExclude(&element)->bodyname1)},
+              {mjOBJ_BODY, mjs_getString(mjs_asExclude(&element)->bodyname2)}};
+    case mjOBJ_PAIR:
+      return {{mjOBJ_GEOM, mjs_getString(mjs_asPair(&element)->geomname1)},
+              {mjOBJ_GEOM, mjs_getString(mjs_asPair(&element)->geomname2)}};
+    case mjOBJ_CAMERA:
+      return followed(mjs_asCamera(&element)->targetbody);
+    case mjOBJ_LIGHT:
+      return followed(mjs_asLight(&element)->targetbody);
+    default:
+      return {};
+  }
+}
+
+bool has(const mjSpec& spec, const Reference& one) {
+  return mjs_findElement(&spec, one.type, one.name.c_str()) != nullptr;
+}
+
+bool lacks_a_wrap(mjsElement& element) {
+  if (element.elemtype != mjOBJ_TENDON) return false;
+  const mjsTendon& tendon = *mjs_asTendon(&element);
   for (int i = 0; i < mjs_getWrapNum(&tendon); ++i) {
     const mjsWrap* wrap = mjs_getWrap(&tendon, i);
     if (wrap->type != mjWRAP_PULLEY && !mjs_getWrapTarget(wrap)) return true;
@@ -61,43 +98,43 @@ bool is_dangling(const mjsTendon& tendon) {
   return false;
 }
 
-bool targets_nothing(const mjSpec& spec, const mjString* body) {
-  return *mjs_getString(body) && !has(spec, mjOBJ_BODY, body);
+/// The mount carries the hand: what ties a body to the world counts as tied to what is gone.
+bool is_tied_to_world(mjsElement& element) {
+  if (element.elemtype != mjOBJ_EQUALITY) return false;
+  const mjsEquality& tie = *mjs_asEquality(&element);
+  if (tie.type != mjEQ_CONNECT && tie.type != mjEQ_WELD) return false;
+  return tie.objtype != mjOBJ_SITE &&
+         (is_world(mjs_getString(tie.name1)) || is_world(mjs_getString(tie.name2)));
 }
 
 bool is_dangling(const mjSpec& spec, mjsElement& element) {
-  switch (element.elemtype) {
-    case mjOBJ_EQUALITY:
-      return is_dangling(spec, *mjs_asEquality(&element));
-    case mjOBJ_ACTUATOR:
-      return is_dangling(spec, *mjs_asActuator(&element));
-    case mjOBJ_TENDON:
-      return is_dangling(*mjs_asTendon(&element));
-    case mjOBJ_EXCLUDE:
-      return !has(spec, mjOBJ_BODY, mjs_asExclude(&element)->bodyname1) ||
-             !has(spec, mjOBJ_BODY, mjs_asExclude(&element)->bodyname2);
-    case mjOBJ_PAIR:
-      return !has(spec, mjOBJ_GEOM, mjs_asPair(&element)->geomname1) ||
-             !has(spec, mjOBJ_GEOM, mjs_asPair(&element)->geomname2);
-    case mjOBJ_CAMERA:
-      return targets_nothing(spec, mjs_asCamera(&element)->targetbody);
-    case mjOBJ_LIGHT:
-      return targets_nothing(spec, mjs_asLight(&element)->targetbody);
-    default:
-      return false;
-  }
+  return lacks_a_wrap(element) || is_tied_to_world(element) ||
+         !std::ranges::all_of(references_of(element),
+                              [&](const Reference& one) { return has(spec, one); });
 }
 
-/// Removes what refers to what is no longer there. Tendons come before what refers to them.
-void remove_dangling(mjSpec& spec) {
-  for (const mjtObj type : {mjOBJ_TENDON, mjOBJ_EQUALITY, mjOBJ_ACTUATOR, mjOBJ_EXCLUDE, mjOBJ_PAIR,
-                            mjOBJ_CAMERA, mjOBJ_LIGHT}) {
+/// Kinds of elements that refer to others by name. Tendons come before what refers to them.
+constexpr std::array<mjtObj, 7> kReferring = {mjOBJ_TENDON,  mjOBJ_EQUALITY, mjOBJ_ACTUATOR,
+                                              mjOBJ_EXCLUDE, mjOBJ_PAIR,     mjOBJ_CAMERA,
+                                              mjOBJ_LIGHT};
+
+/// Calls a function with each of a model's elements that refer to others; it may remove them.
+template <class Function>
+void for_each_referring(mjSpec& spec, const Function& function) {
+  for (const mjtObj type : kReferring) {
     for (mjsElement* e = mjs_firstElement(&spec, type); e;) {
       mjsElement* const next = mjs_nextElement(&spec, e);
-      if (is_dangling(spec, *e)) mjs_delete(&spec, e);
+      function(*e);
       e = next;
     }
   }
+}
+
+/// Removes what refers to what is no longer there.
+void remove_dangling(mjSpec& spec) {
+  for_each_referring(spec, [&](mjsElement& element) {
+    if (is_dangling(spec, element)) mjs_delete(&spec, &element);
+  });
 }
 
 void remove_children(mjSpec& spec, mjsBody& body, mjtObj type, const mjsElement* but = nullptr) {
@@ -124,7 +161,29 @@ Eigen::Isometry3d pose_of(const mjsFrame& frame) {
   return pose3(frame.pos, quat.data());
 }
 
+/// "the equality 'tie'", or without a name "an equality".
+std::string described(mjsElement& element) {
+  const std::string kind = mju_type2Str(element.elemtype);
+  const std::string name = mjs_getString(mjs_getName(&element));
+  if (!name.empty()) return fmt::format("the {} '{}'", kind, name);
+  return fmt::format("{} {}", kind.find_first_of("aeiou") == 0 ? "an" : "a", kind);
+}
+
 }  // namespace
+
+void refuse_broken_references(mjSpec& spec) {
+  for_each_referring(spec, [&](mjsElement& element) {
+    if (lacks_a_wrap(element)) {
+      throw BadInput(described(element) + " goes over a joint, site or geom that the file lacks");
+    }
+    for (const Reference& one : references_of(element)) {
+      if (has(spec, one) || (one.type == mjOBJ_BODY && is_world(one.name))) continue;
+      throw BadInput(fmt::format("{} refers to the {} '{}', which the file lacks{}",
+                                 described(element), mju_type2Str(one.type), one.name,
+                                 did_you_mean(one.name, names_of(spec, one.type))));
+    }
+  });
+}
 
 void keep_hand_only(mjSpec& spec, const std::string& root) {
   mjsBody& body = find_body(spec, root);

@@ -7,6 +7,9 @@
 
 namespace palpate::simulation {
 
+/// @throws BadInput, naming both, where something in a parsed file refers to what the file lacks
+void refuse_broken_references(mjSpec& spec);
+
 /// Leaves the hand alone in a parsed file: its root, without joints of its own, is the world's only
 /// body and in no frame. What is above and beside it goes, with all that refers to it.
 /// @throws BadInput if the root is missing or is the world

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <set>
 #include <string>
 
 #include "palpate/core/error.hpp"
@@ -37,11 +38,17 @@ mjsActuator& find_actuator(mjSpec& spec, const hand::Description& hand,
   return *mjs_asActuator(&find(spec, mjOBJ_ACTUATOR, file_actuator(hand, actuator.name)));
 }
 
+/// A radian in the units of the file that a joint is from.
+double radian_of(const mjsJoint& joint) {
+  return mjs_getCompiler(joint.element)->degree ? 180 / std::numbers::pi : 1;
+}
+
 void set_ranges(mjSpec& spec, const hand::Description& hand) {
   for (const hand::Joint& one : hand.joints) {
     mjsJoint& joint = find_joint(spec, hand, one.name);
     joint.limited = mjLIMITED_TRUE;
-    Eigen::Vector2d::Map(joint.range) << one.range.low, one.range.high;
+    Eigen::Vector2d::Map(joint.range) =
+        radian_of(joint) * Eigen::Vector2d(one.range.low, one.range.high);
   }
   for (const hand::Actuator& one : hand.actuators) {
     mjsActuator& actuator = find_actuator(spec, hand, one);
@@ -126,20 +133,47 @@ void add_servos(mjSpec& spec, const hand::Description& hand) {
   }
 }
 
+/// Names of joints that the model's own active equalities tie to one, or to one another, and that
+/// one. What they lock is tied to the name "".
+std::set<std::string> tied_to(const mjSpec& spec, const std::string& joint) {
+  std::set<std::string> group{joint};
+  for (std::size_t before = 0; before != group.size();) {
+    before = group.size();
+    for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_EQUALITY); e;
+         e = mjs_nextElement(&spec, e)) {
+      const mjsEquality& tie = *mjs_asEquality(e);
+      if (tie.type != mjEQ_JOINT || !tie.active) continue;
+      const std::string one = mjs_getString(tie.name1);
+      const std::string other = tie.data[1] == 0 ? "" : mjs_getString(tie.name2);
+      if (group.contains(one) || group.contains(other)) group.insert({one, other});
+    }
+  }
+  return group;
+}
+
+/// An equality is written from where the file draws its joints.
+double drawn_at(mjSpec& spec, const std::string& joint) {
+  const mjsJoint& found = *mjs_asJoint(&find(spec, mjOBJ_JOINT, joint));
+  return found.ref / radian_of(found);
+}
+
 /// Ties followers to their leaders, where the file's own equalities do not.
 void add_mimics(mjSpec& spec, const hand::Description& hand) {
-  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_EQUALITY); e; e = mjs_nextElement(&spec, e)) {
-    if (mjs_asEquality(e)->type == mjEQ_JOINT && mjs_asEquality(e)->active) return;
-  }
   for (const hand::Actuator& one : hand.actuators) {
-    for (std::size_t i = 1; i < one.joints.size() && !one.coupling; ++i) {
+    if (one.coupling) continue;
+    const std::string leader = file_joint(hand, joint_name(hand, one.joints[0]));
+    for (std::size_t i = 1; i < one.joints.size(); ++i) {
+      const hand::DrivenJoint& driven = one.joints[i];
+      const std::string follower = file_joint(hand, joint_name(hand, driven));
+      if (tied_to(spec, driven.share == 0 ? "" : leader).contains(follower)) continue;
       mjsEquality* tie = mjs_addEquality(&spec, nullptr);
       tie->type = mjEQ_JOINT;
       tie->objtype = mjOBJ_JOINT;
-      mjs_setString(tie->name1, file_joint(hand, joint_name(hand, one.joints[i])).c_str());
-      mjs_setString(tie->name2, file_joint(hand, joint_name(hand, one.joints[0])).c_str());
-      tie->data[0] = one.joints[i].offset;
-      tie->data[1] = one.joints[i].share;
+      mjs_setString(tie->name1, follower.c_str());
+      mjs_setString(tie->name2, leader.c_str());
+      tie->data[0] =
+          driven.offset - drawn_at(spec, follower) + driven.share * drawn_at(spec, leader);
+      tie->data[1] = driven.share;
     }
   }
 }

@@ -10,11 +10,14 @@
 
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
+#include "palpate/core/spelling.hpp"
 #include "palpate/geometry/query/rounded_hull.hpp"
 #include "simulation/hand/hand_alone.hpp"
 #include "simulation/hand/link_masses.hpp"
 #include "simulation/hand/mesh_files.hpp"
+#include "simulation/hand/urdf.hpp"
 #include "simulation/hand/warnings.hpp"
+#include "simulation/hand/xml_tags.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -29,11 +32,18 @@ std::vector<mjsGeom*> solids(mjsBody& body) {
   return result;
 }
 
+bool is_control(char c) { return static_cast<unsigned char>(c) < ' '; }
+
 /// Gives free names to what has none, so that it can be found again.
+/// @throws BadInput for one that a terminal would not print
 void name_all(mjSpec& spec, mjtObj type, const char* kind) {
   int count = 0;
   for (mjsElement* e = mjs_firstElement(&spec, type); e; e = mjs_nextElement(&spec, e), ++count) {
-    if (*mjs_getString(mjs_getName(e))) continue;
+    const std::string given = mjs_getString(mjs_getName(e));
+    if (std::ranges::any_of(given, is_control)) {
+      throw BadInput(fmt::format("the name of a {} has control characters", kind));
+    }
+    if (!given.empty()) continue;
     std::string name = fmt::format("{}_{}", kind, count);
     while (mjs_findElement(&spec, type, name.c_str())) name += '_';
     set_name(e, name);
@@ -152,39 +162,70 @@ void clean(mjSpec& spec) {
   name_all(spec, mjOBJ_JOINT, "joint");
 }
 
-SpecHandle read_xml(const std::filesystem::path& file, std::vector<std::string>* warnings,
-                    std::string_view kind) {
-  const Warnings warned;
-  std::array<char, 1000> message{};
-  SpecHandle spec(mj_parseXML(file.c_str(), nullptr, message.data(), message.size()));
-  if (!spec) {
-    throw BadInput(fmt::format("cannot read the {} {}: {}", kind, file.string(),
-                               reason_of(one_line(message.data()))));
+/// What a function returns. @throws BadInput with what it throws after the file's name
+template <class Function>
+auto naming(const std::filesystem::path& file, std::string_view kind, const Function& function) {
+  try {
+    return function();
+  } catch (const BadInput& error) {
+    const std::string what = error.what(), begin = fmt::format("cannot read the {} ", kind);
+    if (what.starts_with(begin)) throw;
+    throw BadInput(fmt::format("{}{}: {}", begin, file.string(), what));
   }
+}
+
+/// The files of meshes that a URDF's text names otherwise.
+void restore_files(mjSpec& spec, const Urdf& urdf) {
+  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_MESH); e; e = mjs_nextElement(&spec, e)) {
+    mjsMesh& mesh = *mjs_asMesh(e);
+    const auto file =
+        urdf.meshes.find(std::filesystem::path(mjs_getString(mesh.file)).stem().string());
+    if (file != urdf.meshes.end()) mjs_setString(mesh.file, file->second.c_str());
+  }
+}
+
+using Message = std::array<char, 1000>;
+
+/// Null if the simulator does not understand it, as the file has it or as it is put right.
+SpecHandle parse_urdf(const std::filesystem::path& file, Message& message) {
+  const Urdf urdf = read_urdf(file);
+  {
+    const Warnings of_file;  // are those of the text, too
+    const SpecHandle as_it_is(
+        mj_parseXML(file.c_str(), nullptr, message.data(), static_cast<int>(message.size())));
+    if (!as_it_is) return SpecHandle();
+  }
+  SpecHandle spec(mj_parseXMLString(urdf.text.c_str(), nullptr, message.data(),
+                                    static_cast<int>(message.size())));
+  if (!spec) return spec;
+  mjs_setString(spec->modelfiledir, (file.parent_path() / "").c_str());
+  restore_files(*spec, urdf);
+  return spec;
+}
+
+SpecHandle read_xml(const std::filesystem::path& file, std::vector<std::string>* warnings) {
+  const Warnings warned;
+  Message message{};
+  SpecHandle spec = is_urdf(file) ? parse_urdf(file, message)
+                                  : SpecHandle(mj_parseXML(file.c_str(), nullptr, message.data(),
+                                                           static_cast<int>(message.size())));
+  if (!spec) throw BadInput(reason_of(one_line(message.data())));
   for (const std::string& text : warned.texts()) {
-    if (text.find("'NaN'") != std::string::npos) {
-      throw BadInput(fmt::format("cannot read the {} {}: a number is NaN", kind, file.string()));
-    }
+    if (text.find("'NaN'") != std::string::npos) throw BadInput("a number is NaN");
     if (warnings) warnings->push_back("the simulator warns: " + one_line(text));
   }
   return spec;
 }
 
-/// @throws BadInput if the text holds macros that are still to be expanded
-void refuse_templates(const std::filesystem::path& file, std::string_view kind) {
-  if (std::error_code error; !std::filesystem::is_regular_file(file, error)) return;
-  const std::string text = read_file(file);
-  for (std::size_t at = 0; (at = text.find_first_of("<$", at)) != text.npos; ++at) {
-    const auto here = std::string_view(text).substr(at);
-    if (here.starts_with("<!--")) {
-      at = std::min(text.find("-->", at), text.size() - 1);
-    } else if (here.starts_with("<xacro:") || here.starts_with("${")) {
-      throw BadInput(
-          fmt::format("cannot read the {} {}: it holds xacro macros; run xacro on it first, and "
-                      "give what that writes",
-                      kind, file.string()));
-    }
+/// @throws BadInput for a folder, or a pipe, which the simulator takes for an empty file or waits
+///         for
+void refuse_no_file(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error) || std::filesystem::is_regular_file(file, error)) {
+    return;
   }
+  throw BadInput(std::filesystem::is_directory(file, error) ? "it is a folder"
+                                                            : "it is a pipe or a device");
 }
 
 }  // namespace
@@ -207,23 +248,21 @@ std::string tip_geom(const hand::Description& hand, int finger) {
 
 SpecHandle parse_model(const std::filesystem::path& file, std::vector<std::string>* warnings,
                        std::string_view kind) {
-  // The simulator takes a pipe for an empty file, or waits for it.
-  if (std::error_code error;
-      std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error)) {
-    throw BadInput(fmt::format(
-        "cannot read the {} {}: it is {}", kind, file.string(),
-        std::filesystem::is_directory(file, error) ? "a folder" : "a pipe or a device"));
-  }
-  refuse_templates(file, kind);
-  SpecHandle spec = read_xml(file, warnings, kind);
-  clean(*spec);
-  find_meshes(*spec, file);
-  const auto massless = give_masses(*spec);
-  if (warnings && !massless.empty()) {
-    warnings->push_back(fmt::format("links without a mass get {} g: {}", 1000 * kLeastMass,
-                                    fmt::join(massless, ", ")));
-  }
-  return spec;
+  return naming(file, kind, [&] {
+    refuse_no_file(file);
+    check_text(read_file(file));
+    SpecHandle spec = read_xml(file, warnings);
+    refuse_broken_references(*spec);
+    refuse_negative_masses(*spec);
+    clean(*spec);
+    find_meshes(*spec, file);
+    const auto massless = give_masses(*spec);
+    if (warnings && !massless.empty()) {
+      warnings->push_back(fmt::format("links without a mass get {} g: {}", 1000 * kLeastMass,
+                                      fmt::join(massless, ", ")));
+    }
+    return spec;
+  });
 }
 
 void place_root(mjSpec& spec, const hand::ModelFile& file) {
@@ -283,9 +322,20 @@ void set_name(mjsElement* element, const std::string& name) {
       fmt::format("the model has a {} {} already", mju_type2Str(element->elemtype), name));
 }
 
+std::vector<std::string> names_of(const mjSpec& spec, mjtObj type) {
+  std::vector<std::string> names;
+  for (mjsElement* e = mjs_firstElement(&spec, type); e; e = mjs_nextElement(&spec, e)) {
+    if (const char* name = mjs_getString(mjs_getName(e)); *name) names.emplace_back(name);
+  }
+  return names;
+}
+
 mjsBody& find_body(const mjSpec& spec, const std::string& name) {
   mjsBody* body = mjs_findBody(&spec, name.c_str());
-  if (!body) throw BadInput(fmt::format("the hand's model has no body {}", name));
+  if (!body) {
+    throw BadInput(fmt::format("the hand's model has no body {}{}", name,
+                               did_you_mean(name, names_of(spec, mjOBJ_BODY))));
+  }
   return *body;
 }
 
@@ -300,10 +350,14 @@ ModelHandle compile(mjSpec& spec) {
 
 int find_id(const mjModel& model, mjtObj type, const std::string& name) {
   const int id = mj_name2id(&model, type, name.c_str());
-  if (id < 0) {
-    throw BadInput(fmt::format("the hand's model has no {} {}", mju_type2Str(type), name));
+  if (id >= 0) return id;
+  std::vector<std::string> names;
+  const mjtSize count = type == mjOBJ_BODY ? model.nbody : type == mjOBJ_JOINT ? model.njnt : 0;
+  for (int i = 0; i < count; ++i) {
+    if (const char* one = mj_id2name(&model, type, i)) names.emplace_back(one);
   }
-  return id;
+  throw BadInput(fmt::format("the hand's model has no {} {}{}", mju_type2Str(type), name,
+                             did_you_mean(name, names)));
 }
 
 }  // namespace palpate::simulation

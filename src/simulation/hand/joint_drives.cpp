@@ -6,20 +6,30 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 
 #include "palpate/core/error.hpp"
+#include "palpate/hand/kinematics.hpp"
+#include "simulation/hand/model_checks.hpp"
+#include "simulation/world/mujoco_handles.hpp"
 
 namespace palpate::simulation {
 namespace {
 
 // The simulated friction and the misreading of torques grow with the limit, and hide contacts of a
 // newton or two. The Shadow hand presses with up to 41 N by its limits, Allegro and LEAP with 24 N.
-constexpr double kImplausiblePress = 60;  // N at the fingertip
-constexpr double kPlausiblePress = 18;    // N, of a strong hand
-constexpr double kPassed = 0.1;           // rad by which followers may be led beyond limits
-constexpr double kLeastLeft = 0.2;        // share of a joint's range that commands must reach
-constexpr double kAsGoodAsAll = 0.9;      // share of it above which they differ by rounding
-constexpr double kLeastArm = 0.03;        // m, of a drive that also carries loads from the side
+constexpr double kImplausiblePress = 60;                   // N at the fingertip
+constexpr double kPlausiblePress = 18;                     // N, of a strong hand
+constexpr double kMinStiffness = 0.5, kMaxStiffness = 12;  // N m/rad
+constexpr double kNaturalFrequency = 40;                   // rad/s, of a joint on its servo
+constexpr double kLeastPress = 1;          // N at the fingertip, to sense and hold anything
+constexpr double kLeastAcceleration = 20;  // rad/s^2
+constexpr double kHeaviest = 15;           // kg, of a hand with its forearm
+constexpr double kGravity = 9.81;          // m/s^2
+constexpr double kPassed = 0.1;            // rad by which followers may be led beyond limits
+constexpr double kLeastLeft = 0.2;         // share of a joint's range that commands must reach
+constexpr double kAsGoodAsAll = 0.9;       // share of it above which they differ by rounding
+constexpr double kLeastArm = 0.03;         // m, of a drive that also carries loads from the side
 
 double greatest(const mjtNum* range) { return std::max(std::abs(range[0]), std::abs(range[1])); }
 
@@ -62,6 +72,27 @@ double gear_on(const mjModel& model, int actuator, int joint) {
   if (is_on_joint(model, actuator, joint)) return gear;
   if (model.actuator_trntype[actuator] != mjTRN_TENDON) return 0;
   return gear * std::abs(tendon_coefficient(model, model.actuator_trnid[2 * actuator], joint));
+}
+
+/// kg, and how far from a joint's axis its middle is where the file draws it, m.
+struct Carried {
+  double mass, distance;
+};
+
+Carried carried_by(const mjModel& model, const mjData& data, int joint) {
+  const int body = model.jnt_bodyid[joint];
+  const Eigen::Vector3d offset =
+      vector3(data.subtree_com + 3 * body) - vector3(data.xanchor + 3 * joint);
+  const Eigen::Vector3d axis = vector3(data.xaxis + 3 * joint);
+  return {model.body_subtreemass[body], (offset - offset.dot(axis) * axis).norm()};
+}
+
+DataHandle at_rest(const mjModel& model) {
+  DataHandle data(mj_makeData(&model));
+  if (!data) throw std::bad_alloc();
+  mj_kinematics(&model, data.get());
+  mj_comPos(&model, data.get());
+  return data;
 }
 
 }  // namespace
@@ -147,6 +178,66 @@ std::string led_fingers(const hand::Description& hand, const std::vector<int>& f
     throw BadInput(led + ": a hand with one drive for all its fingers is not supported");
   }
   return led;
+}
+
+void set_gains(const mjModel& model, const std::vector<int>& joint_ids,
+               const hand::ActuatorVector& positions, hand::Description& hand) {
+  const auto joints = hand::joints_in_free_flexion(hand, positions);
+  for (hand::Actuator& one : hand.actuators) {
+    if (one.finger >= 0) {
+      const hand::Finger& finger = hand.fingers[static_cast<std::size_t>(one.finger)];
+      const auto J = hand::jacobian(hand, joints, finger.link, finger.tip.b);
+      Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+      for (const auto& driven : one.joints) moved += driven.share * J.col(driven.joint).tail<3>();
+      one.lever = std::max(0.01, moved.norm());
+    } else {
+      one.lever = 0.18;
+    }
+    one.stiffness = std::clamp(kTipStiffness * one.lever * one.lever, kMinStiffness, kMaxStiffness);
+    one.armature = one.stiffness / (kNaturalFrequency * kNaturalFrequency);
+    const int dof = model.jnt_dofadr[joint_ids[static_cast<std::size_t>(one.joints.front().joint)]];
+    const double own = model.dof_M0[dof];
+    one.damping = 2 * std::sqrt(one.stiffness * (one.armature + own));
+  }
+}
+
+std::vector<HandProblem> check_drives(const mjModel& model, const std::vector<int>& joint_ids,
+                                      bool given, const hand::Description& hand) {
+  const DataHandle data = at_rest(model);
+  std::vector<std::string> weak, overloaded, slow;
+  double press = 0;
+  for (const hand::Actuator& one : hand.actuators) {
+    if (one.finger < 0) continue;
+    const int joint = joint_ids[static_cast<std::size_t>(one.joints.front().joint)];
+    const auto [mass, distance] = carried_by(model, *data, joint);
+    if (one.closing != 0) press = std::max(press, one.max_torque / one.lever);
+    if (one.closing != 0 && one.max_torque / one.lever < kLeastPress) weak.push_back(one.name);
+    if (kGravity * mass * distance > one.max_torque) overloaded.push_back(one.name);
+    const int dof = model.jnt_dofadr[joint];
+    const double inertia = model.dof_M0[dof] - model.dof_armature[dof] + one.armature;
+    if (one.max_torque / inertia < kLeastAcceleration) slow.push_back(one.name);
+  }
+  std::vector<HandProblem> problems;
+  const auto add = [&](const std::vector<std::string>& joints, const std::string& what,
+                       const char* hint) {
+    if (!joints.empty())
+      problems.push_back({fmt::format("drives of {} {}", first_of(joints), what), hint});
+  };
+  add(weak, fmt::format("press with less than {} N at the fingertip", kLeastPress),
+      "see the torque limits: effort, forcerange and gear of the file, max_torque in a TOML file");
+  add(overloaded, "do not carry the weight of their links", "compare masses and torque limits");
+  add(slow, fmt::format("accelerate their links by less than {} rad/s^2", kLeastAcceleration),
+      "compare inertias (kg m^2) and torque limits");
+  if (given && press > kImplausiblePress) {
+    problems.push_back({fmt::format("max_torque presses with {:.0f} N at the fingertip", press),
+                        "touches of some newtons are lost in a drive's friction, which is taken to "
+                        "grow with its limit"});
+  }
+  if (const double mass = model.body_subtreemass[0]; mass > kHeaviest) {
+    problems.push_back(
+        {fmt::format("the hand has a mass of {:.3g} kg", mass), "compare its links'"});
+  }
+  return problems;
 }
 
 std::string lower_torque_limits(hand::Description& hand) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/hand/description.hpp"
+#include "palpate/simulation/hand/describe_hand.hpp"
 
 namespace palpate::simulation {
 
@@ -33,8 +33,23 @@ hand::Range range_with_followers(const hand::Description& hand, const hand::Actu
 /// @throws BadInput if less than two fingers have one
 std::string led_fingers(const hand::Description& hand, const std::vector<int>& finger_of_joint);
 
+constexpr double kTipStiffness = 300;  ///< N/m, of a servo at the fingertip
+
+/// Gives every actuator its lever, and a servo as stiff at the fingertip as kTipStiffness, within
+/// 0.5 to 12 N m/rad, critically damped.
+/// @param joint_ids  in the model, of the hand's joints
+/// @param positions  at which the levers are measured
+void set_gains(const mjModel& model, const std::vector<int>& joint_ids,
+               const hand::ActuatorVector& positions, hand::Description& hand);
+
+/// Drives that cannot do what picks need: that press too little to hold or too much to sense, do
+/// not carry what is on them, or hardly accelerate it; and a hand that is too heavy.
+/// @param given  whether the user chose the torque limits
+std::vector<HandProblem> check_drives(const mjModel& model, const std::vector<int>& joint_ids,
+                                      bool given, const hand::Description& hand);
+
 /// Lowers torque limits that are no real ones, as the effort="10" of many a URDF: where a drive
-/// that closes a finger would press with more than 110 N, every drive gets the torque of 18 N at
+/// that closes a finger would press with more than 60 N, every drive gets the torque of 18 N at
 /// the fingertip.
 /// @return what was done, in words; empty if nothing
 std::string lower_torque_limits(hand::Description& hand);

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/hand/link_masses.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
+
+#include "palpate/core/error.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -46,6 +50,20 @@ void apply_inertia_rules(mjSpec& spec) {
   spec.compiler.inertiafromgeom = mjINERTIAFROMGEOM_AUTO;
   spec.compiler.settotalmass = -1;
   spec.stat.meaninertia = std::numeric_limits<double>::quiet_NaN();
+}
+
+void refuse_negative_masses(mjSpec& spec) {
+  const auto refuse = [](const char* what, mjsBody& body, double mass) {
+    throw BadInput(fmt::format("{} link {} has a mass of {} kg", what,
+                               mjs_getString(mjs_getName(body.element)), mass));
+  };
+  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_BODY); e; e = mjs_nextElement(&spec, e)) {
+    mjsBody& body = *mjs_asBody(e);
+    if (body.explicitinertial && body.mass < 0) refuse("the", body, body.mass);
+    for (mjsElement* g = mjs_firstChild(&body, mjOBJ_GEOM, 0); g; g = mjs_nextChild(&body, g, 0)) {
+      if (mjs_asGeom(g)->mass < 0) refuse("a shape of the", body, mjs_asGeom(g)->mass);
+    }
+  }
 }
 
 std::vector<std::string> give_masses(mjSpec& spec) {

@@ -14,6 +14,9 @@ constexpr double kLeastMass = 1e-3;  ///< kg, of a link that moves and that the 
 /// added.
 void apply_inertia_rules(mjSpec& spec);
 
+/// @throws BadInput for a link or shape of negative mass
+void refuse_negative_masses(mjSpec& spec);
+
 /// Gives a little mass to links that move without any, as those between joints of one place.
 /// @return their names
 std::vector<std::string> give_masses(mjSpec& spec);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <utility>
 
 #include "palpate/core/assets.hpp"
 #include "palpate/core/error.hpp"
@@ -31,6 +32,9 @@ std::filesystem::path file_of(const std::string& name) {
   }
   std::error_code error;
   if (!std::filesystem::exists(name, error)) {
+    if (std::ranges::count(stored_arms(), name, &StoredHand::name) > 0) {
+      throw BadInput(fmt::format("{0} is an arm, not a hand: pick --arm {0}", name));
+    }
     std::vector<std::string> names{"shadow", "shadow-left"};
     for (const StoredHand& one : stored) names.push_back(one.name);
     throw BadInput(
@@ -40,14 +44,23 @@ std::filesystem::path file_of(const std::string& name) {
   return name;
 }
 
+bool is_toml(const std::filesystem::path& file) {
+  const std::string extension = file.extension().string();
+  return extension == ".toml" || extension == ".TOML";
+}
+
 /// A hand of a model file, or of a TOML file that names one.
 DescribedHand describe(const std::filesystem::path& file) {
   HandNotes notes;
-  if (file.extension() != ".toml") return describe_hand(file, notes);
+  if (!is_toml(file)) return describe_hand(file, notes);
   load_toml(file, notes);
   if (notes.model.empty()) {
     throw BadInput(
         fmt::format("{}: model = \"FILE\" is missing: the hand's MJCF or URDF", file.string()));
+  }
+  if (is_toml(notes.model)) {
+    throw BadInput(fmt::format("{}: model = \"{}\" is a TOML file, not the hand's MJCF or URDF",
+                               file.string(), notes.model));
   }
   try {
     return describe_hand(file.parent_path() / notes.model, notes);
@@ -56,17 +69,14 @@ DescribedHand describe(const std::filesystem::path& file) {
   }
 }
 
-/// @throws BadInput that names the file, and what is odd about it
+/// Where there are none: the reason, with the file.
 void derive_postures(const std::filesystem::path& file, DescribedHand& hand,
                      const ProgressCallback& progress) {
   try {
     grasping::derive_postures(hand.hand, progress);
   } catch (const BadInput& error) {
-    std::string message = fmt::format("{}: {}", file.string(), error.what());
-    for (const HandProblem& problem : hand.problems) {
-      message += fmt::format("; {}: {}", problem.what, problem.hint);
-    }
-    throw BadInput(message);
+    hand.hand.postures = {};
+    hand.failure = fmt::format("{}: {}", file.string(), error.what());
   }
 }
 
@@ -76,7 +86,7 @@ DescribedHand load_described_hand(const std::string& name, double stiffness_scal
                                   const ProgressCallback& progress) {
   if (name.empty() || name == "shadow" || name == "shadow-left") {
     const char* file = name == "shadow-left" ? kShadowLeft : kShadowRight;
-    DescribedHand shadow{load_shadow_hand(asset(file), stiffness_scale), {}, {}};
+    DescribedHand shadow{load_shadow_hand(asset(file), stiffness_scale), {}, {}, {}};
     if (!name.empty()) shadow.hand.name = name;
     return shadow;
   }
@@ -89,11 +99,16 @@ DescribedHand load_described_hand(const std::string& name, double stiffness_scal
   DescribedHand hand = describe(file);
   hand.hand.name = name;
   derive_postures(file, hand, progress);
+  if (!hand.failure.empty()) return hand;  // its file may be corrected meanwhile
   return loaded.emplace(name, std::move(hand)).first->second;
 }
 
 hand::Description load_hand(const std::string& name, double stiffness_scale) {
-  return load_described_hand(name, stiffness_scale).hand;
+  DescribedHand loaded = load_described_hand(name, stiffness_scale);
+  if (!loaded.failure.empty()) {
+    throw BadInput(loaded.failure + "; `palpate hand check` shows what was derived");
+  }
+  return std::move(loaded.hand);
 }
 
 }  // namespace palpate::simulation

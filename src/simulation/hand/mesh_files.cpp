@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -46,28 +47,73 @@ fs::path in_package(const fs::path& mesh, const fs::path& file) {
   for (const fs::path& path : {within, mesh.filename(), "meshes" / mesh.filename()}) {
     if (is_file(folder / path)) return folder / path;
   }
-  throw BadInput(fmt::format(
-      "cannot read the hand {}: the mesh {} is neither in a folder {} from {} upwards, nor there "
-      "as {}, {} or meshes/{}",
-      file.string(), shown(mesh), shown(package), folder.string(), shown(within),
-      shown(mesh.filename()), shown(mesh.filename())));
+  throw BadInput(
+      fmt::format("the mesh {} is neither in a folder {} from {} upwards, nor there as {}, {} or "
+                  "meshes/{}",
+                  shown(mesh), shown(package), folder.string(), shown(within),
+                  shown(mesh.filename()), shown(mesh.filename())));
 }
 
-/// Where a mesh is. The simulator looks for names without a scheme in the same places.
-fs::path find_mesh(const mjSpec& spec, const std::string& name, const fs::path& file) {
+/// Where a mesh is, by the rules of the file that it is from. The simulator looks for names without
+/// a scheme in the same places.
+fs::path find_mesh(const mjsMesh& mesh, const std::string& name, const fs::path& file) {
+  const mjSpec& origin = *mjs_getOriginSpec(mesh.element);
   const auto scheme = name.find(kScheme);
-  if (scheme == name.npos) {
-    return fs::path(mjs_getString(spec.modelfiledir)) / mjs_getString(spec.compiler.meshdir) / name;
+  if (scheme == name.npos || origin.strippath) {
+    const fs::path stated = origin.strippath ? fs::path(name).filename() : fs::path(name);
+    return fs::path(mjs_getString(origin.modelfiledir)) /
+           mjs_getString(mjs_getCompiler(mesh.element)->meshdir) / stated;
   }
   const std::string path = name.substr(scheme + kScheme.size());
+  if (name.starts_with("http")) {
+    throw BadInput(fmt::format("the mesh {} is not on this machine: fetch it, and name the file",
+                               shown(name)));
+  }
   return name.starts_with("file") ? fs::path(path) : in_package(path, file);
+}
+
+std::string extension_of(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return extension;
+}
+
+/// The first link that collides with a mesh; empty if none does.
+std::string user_of(const mjSpec& spec, const mjsMesh& mesh) {
+  const std::string name = mjs_getString(mjs_getName(mesh.element));
+  for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_GEOM); e; e = mjs_nextElement(&spec, e)) {
+    const mjsGeom& geom = *mjs_asGeom(e);
+    if (name != mjs_getString(geom.meshname) || (geom.contype == 0 && geom.conaffinity == 0)) {
+      continue;
+    }
+    return mjs_getString(mjs_getName(mjs_getParent(e)->element));
+  }
+  return {};
+}
+
+std::string first_bytes(const fs::path& path, std::size_t count) {
+  std::string bytes(count, 0);
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(bytes.data(), static_cast<std::streamsize>(count));
+  bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, stream.gcount())));
+  return bytes;
+}
+
+/// @throws BadInput where a link collides with a mesh that cannot be read
+void refuse_unreadable(const std::string& link, const fs::path& path) {
+  constexpr std::array<std::string_view, 4> kRead = {".stl", ".obj", ".msh", ".ply"};
+  const std::string mesh = fmt::format("the mesh {} of link {}", shown(path), link);
+  if (!is_file(path)) throw BadInput(mesh + " does not exist");
+  if (first_bytes(path, 24).starts_with("version https://git-lfs")) {
+    throw BadInput(mesh + " is a pointer of Git LFS, not the mesh: run `git lfs pull`");
+  }
+  if (std::ranges::find(kRead, extension_of(path)) != kRead.end()) return;
+  throw BadInput(mesh + " is of a format that is not read: convert it to STL or OBJ");
 }
 
 /// Whether an STL file is of text, not of numbers in binary. Some of the latter begin alike.
 bool is_text_stl(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (extension != ".stl") return false;
+  if (extension_of(path) != ".stl") return false;
   constexpr std::size_t kHeader = 80, kFacet = 50;
   std::array<char, kHeader + sizeof(std::uint32_t)> begin{};
   std::ifstream stream(path, std::ios::binary);
@@ -95,15 +141,15 @@ void read_here(mjsMesh& mesh, const fs::path& path) {
 }  // namespace
 
 void find_meshes(mjSpec& spec, const fs::path& file) {
-  if (spec.strippath) return;  // beside the file
   for (mjsElement* e = mjs_firstElement(&spec, mjOBJ_MESH); e; e = mjs_nextElement(&spec, e)) {
     mjsMesh& mesh = *mjs_asMesh(e);
     const std::string name = mjs_getString(mesh.file);
     if (name.empty()) continue;
-    const fs::path path = find_mesh(spec, name, file);
-    if (is_text_stl(path)) {
+    const fs::path path = find_mesh(mesh, name, file);
+    if (const std::string link = user_of(spec, mesh); !link.empty()) refuse_unreadable(link, path);
+    if (is_text_stl(path) || (extension_of(path) == ".ply" && is_file(path))) {
       read_here(mesh, path);
-    } else if (name.find(kScheme) != name.npos) {
+    } else if (name.find(kScheme) != name.npos && !mjs_getOriginSpec(e)->strippath) {
       mjs_setString(mesh.file, path.c_str());
     }
   }

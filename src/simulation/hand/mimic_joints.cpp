@@ -4,16 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
-#include <string_view>
 #include <tuple>
 #include <utility>
 
-#include "palpate/core/csv.hpp"
 #include "palpate/core/error.hpp"
-#include "palpate/core/file.hpp"
 
 namespace palpate::simulation {
 namespace {
@@ -180,86 +176,6 @@ std::vector<MimicJoint> of_equalities(const mjModel& model) {
   return mimics;
 }
 
-constexpr std::string_view kBlanks = " \t\r\n";
-constexpr std::size_t kMaxMimics = 200;
-
-bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
-
-/// The value of an attribute in a tag's text, quotes taken off.
-std::string attribute(std::string_view tag, std::string_view name, std::string_view usual) {
-  for (std::size_t at = tag.find(name); at != std::string_view::npos;
-       at = tag.find(name, at + name.size())) {
-    const std::size_t equals = tag.find_first_not_of(kBlanks, at + name.size());
-    if (at == 0 || !is_blank(tag[at - 1]) || equals >= tag.size() || tag[equals] != '=') continue;
-    const std::size_t open = tag.find_first_not_of(kBlanks, equals + 1);
-    if (open >= tag.size() || (tag[open] != '"' && tag[open] != '\'')) continue;
-    const std::size_t close = tag.find(tag[open], open + 1);
-    if (close != std::string_view::npos) return std::string(tag.substr(open + 1, close - open - 1));
-  }
-  return std::string(usual);
-}
-
-double number(std::string_view tag, std::string_view name, std::string_view usual) {
-  const std::string text = attribute(tag, name, usual);
-  std::string_view digits = trimmed(text);
-  if (digits.starts_with('+')) digits.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
-    throw BadInput(fmt::format("mimic: {}='{:.60}' is no finite number", name, text));
-  }
-  return value;
-}
-
-/// End of a tag that begins at `at`: of its '>', which may also stand between quotes.
-std::size_t end_of_tag(std::string_view text, std::size_t at) {
-  char quote = 0;
-  for (; at < text.size(); ++at) {
-    const char c = text[at];
-    if (quote != 0) {
-      if (c == quote) quote = 0;
-    } else if (c == '"' || c == '\'') {
-      quote = c;
-    } else if (c == '>') {
-      return at;
-    }
-  }
-  return text.size();
-}
-
-/// Calls a function with each tag of an XML text, without its brackets. Comments are left out.
-template <class Function>
-void for_each_tag(std::string_view text, const Function& function) {
-  constexpr std::string_view kComment = "<!--", kCommentEnd = "-->";
-  for (std::size_t at = text.find('<'); at != std::string_view::npos; at = text.find('<', at)) {
-    if (text.substr(at, kComment.size()) == kComment) {
-      at = std::min(text.find(kCommentEnd, at + kComment.size()), text.size());
-      continue;
-    }
-    const std::size_t end = end_of_tag(text, at);
-    function(text.substr(at + 1, end - at - 1));
-    at = end;
-  }
-}
-
-std::vector<MimicJoint> of_urdf(const std::filesystem::path& file) {
-  const std::string text = read_file(file);
-  std::vector<MimicJoint> mimics;
-  std::string joint;
-  for_each_tag(text, [&](std::string_view tag) {
-    const std::string_view name = tag.substr(0, tag.find_first_of(" \t\r\n/", 1));
-    if (name == "joint") joint = tag.ends_with('/') ? "" : attribute(tag, "name", "");
-    if (name == "/joint") joint.clear();
-    if (name != "mimic" || joint.empty()) return;
-    if (mimics.size() >= kMaxMimics) {
-      throw BadInput(fmt::format("{}: more than {} mimic joints", file.string(), kMaxMimics));
-    }
-    mimics.push_back({joint, attribute(tag, "joint", ""), number(tag, "multiplier", "1"),
-                      number(tag, "offset", "0")});
-  });
-  return mimics;
-}
-
 /// Makes followers of followers follow the first leader.
 void resolve(std::vector<MimicJoint>& mimics) {
   for (MimicJoint& mimic : mimics) {
@@ -289,8 +205,11 @@ bool ties_joints(const mjModel& model, int tendon) {
 
 std::vector<MimicJoint> mimic_joints(const mjModel& model, const std::filesystem::path& file) {
   // Of a URDF the simulator leaves out mimics that it does not understand.
-  auto mimics = file.extension() == ".urdf" ? of_urdf(file) : of_equalities(model);
+  auto mimics = is_urdf(file) ? read_urdf(file).mimics : of_equalities(model);
   resolve(mimics);
+  std::erase_if(mimics, [&](const MimicJoint& one) {  // of what is left out
+    return mj_name2id(&model, mjOBJ_JOINT, one.joint.c_str()) < 0;
+  });
   for (const MimicJoint& mimic : mimics) {
     if (mj_name2id(&model, mjOBJ_JOINT, mimic.leader.c_str()) >= 0) continue;
     throw BadInput(

@@ -2,19 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <vector>
 
+#include "simulation/hand/urdf.hpp"
 #include "simulation/world/mujoco_handles.hpp"
 
 namespace palpate::simulation {
-
-/// A joint that follows another: angle = offset + ratio * leader. One that is locked follows any,
-/// with the ratio 0.
-struct MimicJoint {
-  std::string joint, leader;
-  double ratio = 1, offset = 0;  ///< offset in rad
-};
 
 /// Whether an active equality keeps the length of this fixed tendon of two joints, so that one of
 /// them follows the other.

@@ -25,16 +25,9 @@ constexpr const char* kInMetres =
 
 }  // namespace
 
-void check_masses(const mjModel& model) {
-  for (int body = 1; body < model.nbody; ++body) {
-    if (model.body_mass[body] >= 0) continue;
-    throw BadInput(fmt::format("link {} has a mass of {} kg", model_name(model, mjOBJ_BODY, body),
-                               model.body_mass[body]));
-  }
-}
-
 void refuse_closed_loops(const mjModel& model) {
   for (int i = 0; i < model.neq; ++i) {
+    if (!model.eq_active0[i]) continue;
     if (model.eq_type[i] != mjEQ_CONNECT && model.eq_type[i] != mjEQ_WELD) continue;
     const bool sites = model.eq_objtype[i] == mjOBJ_SITE;
     const auto body = [&](int id) {
@@ -92,8 +85,9 @@ int springs(const mjModel& model) {
 }
 
 void check_limits(const std::string& joint, const hand::Range& range) {
+  constexpr double kTurn = 2 * std::numbers::pi * 1.01;  // 6.2832, rounded, is no error
   const double most = std::max(std::abs(range.low), std::abs(range.high));
-  if (most <= 2 * std::numbers::pi) return;
+  if (most <= kTurn) return;
   throw BadInput(fmt::format("joint {} has the limits {:.4g} .. {:.4g} rad; are these degrees?",
                              joint, range.low, range.high));
 }

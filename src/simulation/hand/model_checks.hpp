@@ -11,10 +11,7 @@
 
 namespace palpate::simulation {
 
-/// @throws BadInput for a link of negative mass
-void check_masses(const mjModel& model);
-
-/// @throws BadInput where a constraint ties two links to one another
+/// @throws BadInput where an active constraint ties two links to one another
 void refuse_closed_loops(const mjModel& model);
 
 /// @throws BadInput where a shape is larger than any hand or arm: the lengths are in millimetres
@@ -23,7 +20,7 @@ void check_shapes(const mjModel& model);
 /// @throws BadInput where fingertips are where no hand's can be: the lengths are in millimetres
 void check_size(const hand::Description& hand);
 
-/// @throws BadInput for limits of a joint that are more than a turn: they are degrees
+/// @throws BadInput for limits of a joint that are more than a turn: they may be degrees
 void check_limits(const std::string& joint, const hand::Range& range);
 
 /// The first three names, and how many there are more.

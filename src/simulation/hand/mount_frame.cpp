@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/hand/mount_frame.hpp"
 
+#include <fmt/format.h>
+
 #include <numbers>
 
 namespace palpate::simulation {
@@ -9,6 +11,7 @@ namespace {
 constexpr double kAgainst = -0.7;  // cosine between the ways of fingers that close on one another
 constexpr double kSameWay = 0.5;   // and between the directions in which such fingers point
 
+constexpr double kFarTurned = 45, kFarAway = 0.1;  // deg, m
 constexpr double kAsFar = 0.7;  // of the others' reach: a thumb at the side of a palm has less
 
 /// The part of a vector across a direction of length 1.
@@ -47,6 +50,15 @@ Eigen::Isometry3d given_mount(const HandNotes& notes) {
          Eigen::Quaterniond(Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
                             Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
                             Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()));
+}
+
+std::string far_from(const Eigen::Isometry3d& given, const Eigen::Isometry3d& derived) {
+  const Eigen::Matrix3d R_given_derived = given.linear() * derived.linear().transpose();
+  const double angle = Eigen::AngleAxisd(R_given_derived).angle() * 180 / std::numbers::pi;
+  const double distance = (given.inverse().translation() - derived.inverse().translation()).norm();
+  if (angle < kFarTurned && distance < kFarAway) return {};
+  return fmt::format("the given mount is {:.0f} deg and {:.0f} mm from the one that is derived",
+                     angle, 1e3 * distance);
 }
 
 MountFrame derive_mount(const ClosingTips& tips, const Eigen::Vector3d& p_palm, int thumb) {

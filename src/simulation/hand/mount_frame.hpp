@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <string>
 #include <vector>
 
 #include "palpate/simulation/hand/describe_hand.hpp"
@@ -13,6 +14,10 @@ bool has_mount(const HandNotes& notes);
 
 /// T_mount_root as the user has it.
 Eigen::Isometry3d given_mount(const HandNotes& notes);
+
+/// How far a mount that the user gives is from the one derived, in words; empty if less than 45 deg
+/// and 0.1 m.
+std::string far_from(const Eigen::Isometry3d& given, const Eigen::Isometry3d& derived);
 
 /// Fingertips in the root's frame while the hand closes, m.
 struct ClosingTips {

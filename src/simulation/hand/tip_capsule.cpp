@@ -172,6 +172,32 @@ std::optional<hand::TipHull> fit_hull(const mjModel& model, int body, const Eige
   return hand::TipHull{hull.core(), hull.radius()};
 }
 
+double reach_beyond(const mjModel& model, int body, const Eigen::Vector3d& p_base,
+                    const hand::Finger& finger) {
+  const int fitted = outermost_geom(model, body, p_base);
+  const auto& [a, b, radius] = finger.tip;
+  const Eigen::Vector3d axis = b - a;
+  std::optional<geometry::RoundedHull> hull;
+  if (finger.hull) hull.emplace(finger.hull->core, finger.hull->radius);
+  const auto outside = [&](const Eigen::Vector3d& p, double along) {
+    if (hull) return (p - hull->nearest_in_core(p)).norm() - hull->radius();
+    return (p - a - std::min(along, 1.0) * axis).norm() - radius;
+  };
+  double farthest = 0;
+  for (int i = 0; i < model.body_geomnum[body]; ++i) {
+    const int geom = model.body_geomadr[body] + i;
+    if (geom == fitted || (model.geom_contype[geom] == 0 && model.geom_conaffinity[geom] == 0)) {
+      continue;
+    }
+    for (const Eigen::Vector3d& p : hull_points(model, geom)) {
+      const double along = (p - a).dot(axis) / axis.squaredNorm();
+      if (along < 0) continue;  // behind the part that is the tip
+      farthest = std::max(farthest, outside(p, along));
+    }
+  }
+  return farthest;
+}
+
 void fit_surface(const mjModel& model, int body, const Eigen::Vector3d& p_base,
                  const std::string& shape, hand::Finger& finger) {
   if (shape != "capsule" && shape != "hull") {

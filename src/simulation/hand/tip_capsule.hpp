@@ -29,4 +29,9 @@ std::optional<hand::TipHull> fit_hull(const mjModel& model, int body, const Eige
 void fit_surface(const mjModel& model, int body, const Eigen::Vector3d& p_base,
                  const std::string& shape, hand::Finger& finger);
 
+/// How far the shapes of a fingertip that its surface leaves out reach beyond it, m; not positive
+/// if they do not.
+double reach_beyond(const mjModel& model, int body, const Eigen::Vector3d& p_base,
+                    const hand::Finger& finger);
+
 }  // namespace palpate::simulation

@@ -58,7 +58,12 @@ struct DescribedHand {
   hand::Description hand;
   std::vector<std::string> guesses;   ///< what the file does not say, in words
   std::vector<HandProblem> problems;  ///< that do not keep it from being used
+  std::string failure;                ///< why no postures were found for it; else empty
 };
+
+/// Commands at which the joints that close fingers have gone a share of their way to closed, and
+/// all others are straight.
+hand::ActuatorVector partly_closed(const hand::Description& hand, double share);
 
 /// Reads a hand from an MJCF or URDF file.
 ///
@@ -66,7 +71,7 @@ struct DescribedHand {
 /// collide. Its surface is its capsule or sphere, else the convex hull of what collides. Hinges
 /// that an equality or a mimic ties to another one follow it. Every other hinge gets a position
 /// servo; where the file has none, by a rule: 300 N/m at the fingertip, critically damped. Torque
-/// limits that press with more than 110 N are lowered to 18 N.
+/// limits that press with more than 60 N are lowered to 18 N.
 /// @throws BadInput for a file that cannot be used, with what to do about it
 DescribedHand describe_hand(const std::filesystem::path& file, const HandNotes& notes = {});
 

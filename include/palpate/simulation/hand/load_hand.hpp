@@ -18,7 +18,8 @@ namespace palpate::simulation {
 /// @throws BadInput if there is no such hand or its file cannot be used
 hand::Description load_hand(const std::string& name, double stiffness_scale = 4.0);
 
-/// The same, with what was guessed and what is wrong with the file.
+/// The same, with what was guessed and what is wrong with the file. Where no postures are found,
+/// the hand has none, and `failure` says why.
 /// @param progress  called while postures are searched for, which takes about a minute the first
 /// time
 DescribedHand load_described_hand(const std::string& name, double stiffness_scale = 4.0,
