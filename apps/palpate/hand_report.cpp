@@ -17,12 +17,26 @@ const std::string& joint_name(const hand::Description& hand, int joint) {
   return hand.joints[static_cast<std::size_t>(joint)].name;
 }
 
-/// Joints that an actuator of the finger moves, from the palm on.
+/// Links from the palm, which is left out, to a fingertip.
+std::vector<int> links_of(const hand::Description& hand, int finger) {
+  std::vector<int> links;
+  int link = hand.fingers[static_cast<std::size_t>(finger)].link;
+  for (; link >= 0 && link != hand.palm; link = hand.links[static_cast<std::size_t>(link)].parent) {
+    links.insert(links.begin(), link);
+  }
+  return links;
+}
+
+/// Joints that move the finger and no other one, from the palm on.
 std::vector<std::string> joints_of(const hand::Description& hand, int finger) {
   std::vector<std::string> names;
-  for (const hand::Actuator& actuator : hand.actuators) {
-    if (actuator.finger != finger) continue;
-    for (const auto& driven : actuator.joints) names.push_back(joint_name(hand, driven.joint));
+  for (const int link : links_of(hand, finger)) {
+    bool shared = false;
+    for (int other = 0; other < hand.finger_count(); ++other) {
+      shared |= other != finger && std::ranges::count(links_of(hand, other), link) > 0;
+    }
+    const int joint = hand.links[static_cast<std::size_t>(link)].joint;
+    if (joint >= 0 && !shared) names.push_back(joint_name(hand, joint));
   }
   return names;
 }

@@ -41,6 +41,14 @@ TEST(Closing, OfSymmetricRangesIsTowardsTheOtherFingers) {
   }
 }
 
+TEST(Closing, OfAFollowerIsThatOfItsLeader) {
+  HandNotes notes;
+  notes.closing = "index_2,ring_2,thumb_2";
+  EXPECT_NE(why_not("<equality><joint joint1='index_2' joint2='index_1'/></equality>", notes)
+                .find("joint index_2 follows index_1; name index_1"),
+            std::string::npos);
+}
+
 /// The hand of two fingers and a thumb, drawn straight where its first joints are at their ends.
 std::string closed_at_zero(const std::string& range = "0 1.6") {
   std::string text = kHandMjcf;
@@ -152,6 +160,8 @@ TEST(Fingers, ReportsShapesOutsideAFingertip) {
   const std::string said = "beyond the fingertip's surface meet nothing: index_tip (";
   EXPECT_TRUE(says(with_nail("0.03 0 0.014").guesses, said));
   EXPECT_FALSE(says(with_nail("0.025 0 0.003").guesses, said));
+  const auto tip = with_nail("0.03 0 0.01").hand.fingers[0].tip;  // it reaches farther, a little
+  EXPECT_EQ(tip.radius, 0.008);
 }
 
 TEST(Root, AnotherHandOfTheFileIsReported) {
@@ -320,7 +330,7 @@ TEST(Urdf, IsOneByItsFirstElement) {
 TEST(Urdf, AnInfiniteEffortIsNoLimit) {
   const auto text = replaced(kHandUrdf, "effort=\"2\"", "effort=\"inf\"");
   EXPECT_TRUE(says(described("effort.urdf", text).guesses,
-                   "1 N m is the torque limit of finger_1, for which the file has none"));
+                   "1 N m is the torque limit of finger_1, for which the file has no finite one"));
 }
 
 TEST(JointRange, AnInfiniteOneIsNone) {

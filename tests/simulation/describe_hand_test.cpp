@@ -258,6 +258,7 @@ TEST(DescribeHand, SaysThatLimitsAreReversed) {
   const auto result = describe_hand(write_hand("reversed.xml", text));
   ASSERT_EQ(result.problems.size(), 1u);
   EXPECT_EQ(result.problems[0].what, "reversed limits of joint index_2");
+  EXPECT_EQ(result.hand.joints[1].range.high, 1.4);
 }
 
 TEST(DescribeHand, SaysThatRadiansMayBeDegrees) {

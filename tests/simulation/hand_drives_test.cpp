@@ -52,6 +52,8 @@ TEST(TorqueLimit, ComesFromForceRangeGainAndGear) {
            {"<general joint='index_1' gainprm='0.4' biastype='none' ctrlrange='-1 1'/>", 0.4},
            {"<position jointinparent='index_1' kp='3' forcerange='-0.7 0.7'/>", 0.7},
            {"<position tendon='pull' kp='3' forcerange='-0.8 0.8'/>", 0.4},
+           {"<position joint='index_1' kp='3' forcerange='-2 0.3'/>", 0.3},
+           {"<motor joint='index_1' gear='0.35' ctrlrange='0 1'/>", 0.35},
            {"<position joint='index_1' kp='3' ctrlrange='0 1.6'/>", 1.0}}) {
     const auto result =
         hand_with(fmt::format("<tendon><fixed name='pull'><joint joint='index_1' coef='-0.5'/>"

@@ -165,6 +165,13 @@ TEST(Meshes, OfAnAttachedFileAreBesideIt) {
   EXPECT_NEAR(model->jnt_range[2 * joint + 1], 1.6, 1e-12);
 }
 
+TEST(Meshes, OfAPackageMayBeInAFolderOfAnotherName) {
+  write_hand("hand-main/meshes/tip.obj", cube(0.006));
+  const std::string mesh = "<mesh filename=\"package://my_hand/meshes/tip.obj\"/>";
+  const auto text = replaced(kHandUrdf, "<box size=\"0.04 0.014 0.014\"/>", mesh);
+  EXPECT_EQ(describe_hand(write_hand("hand-main/urdf/hand.urdf", text)).hand.finger_count(), 2);
+}
+
 TEST(Meshes, MayBePly) {
   const std::string text =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"

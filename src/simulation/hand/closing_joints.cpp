@@ -194,12 +194,17 @@ void set_closing(const std::vector<std::string>& joints, hand::Description& hand
   for (const std::string& name : joints) {
     const bool backwards = name.starts_with('-');
     const int joint = hand.joint(backwards ? name.substr(1) : name);
+    const std::string& plain = hand.joints[static_cast<std::size_t>(joint)].name;
     const auto found = std::ranges::find_if(hand.actuators, [&](const hand::Actuator& one) {
-      return one.joints.front().joint == joint;
+      return std::ranges::count(one.joints, joint, &hand::DrivenJoint::joint) > 0;
     });
     if (found == hand.actuators.end() || found->finger < 0) {
-      throw BadInput(fmt::format("closing: no actuator of a finger moves joint {}", name));
+      throw BadInput(fmt::format("closing: no actuator of a finger moves joint {}", plain));
     }
+    if (found->joints.front().joint != joint) {
+      throw BadInput(fmt::format("closing: joint {0} follows {1}; name {1}", plain, found->name));
+    }
+    if (found->closing != 0) throw BadInput(fmt::format("closing names {} twice", plain));
     found->closing = backwards ? -1 : 1;
   }
 }

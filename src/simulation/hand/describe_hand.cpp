@@ -187,7 +187,8 @@ void Describer::report_joints(const mjModel& model, const Anatomy& anatomy) {
   if (lost.empty()) return;
   if (notes_.tips.empty()) {
     problem(fmt::format("joints {} belong to no finger", fmt::join(lost, ", ")),
-            "if they should, name every fingertip: tips = \"BODY,BODY\" in a TOML file");
+            "give their links something that can collide, or name every fingertip: tips = "
+            "\"BODY,BODY\" in a TOML file");
   } else {
     guess(fmt::format("joints {} are beyond the fingertips or of no finger, and are held",
                       first_of(lost)));
@@ -228,8 +229,8 @@ void Describer::add_drives(const mjModel& model) {
     hand().actuators.push_back(actuator);
   }
   if (unlimited.empty()) return;
-  guess(fmt::format("{} N m is the torque limit of {}, for which the file has none", kUsualTorque,
-                    first_of(unlimited)));
+  guess(fmt::format("{} N m is the torque limit of {}, for which the file has no finite one",
+                    kUsualTorque, first_of(unlimited)));
 }
 
 /// The joints that follow an actuator's first, which then goes no farther than they can.

@@ -138,6 +138,9 @@ void become_hull(mjSpec& spec, mjsGeom& geom, const std::string& name, const han
 
 /// What MuJoCo says, shortened where the file is not XML at all.
 std::string reason_of(const std::string& message) {
+  if (message.find("Unrecognized XML model type") != message.npos) {
+    return "its first element is neither <mujoco> nor <robot>: MJCF or URDF is needed";
+  }
   if (!message.starts_with("XML parse error")) return message;
   const auto line = message.find("Line number=");
   if (line == message.npos) return "it is not XML";

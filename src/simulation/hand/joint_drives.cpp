@@ -31,20 +31,24 @@ constexpr double kLeastLeft = 0.2;         // share of a joint's range that comm
 constexpr double kAsGoodAsAll = 0.9;       // share of it above which they differ by rounding
 constexpr double kLeastArm = 0.03;         // m, of a drive that also carries loads from the side
 
-double greatest(const mjtNum* range) { return std::max(std::abs(range[0]), std::abs(range[1])); }
+/// The lesser of the two sides of a range that is not empty: a drive has it both ways.
+double magnitude(const mjtNum* range) {
+  const auto [less, more] = std::minmax(std::abs(range[0]), std::abs(range[1]));
+  return less > 0 ? less : more;
+}
 
 /// Largest force of an actuator before its gear; infinite where the file does not say.
 double force_limit(const mjModel& model, int actuator) {
   double limit = std::numeric_limits<double>::infinity();
   if (model.actuator_forcelimited[actuator]) {
-    limit = greatest(model.actuator_forcerange + 2 * actuator);
+    limit = magnitude(model.actuator_forcerange + 2 * actuator);
   }
   const bool integrates = model.actuator_dyntype[actuator] == mjDYN_INTEGRATOR;
   const bool is_motor = model.actuator_gaintype[actuator] == mjGAIN_FIXED &&
                         model.actuator_biastype[actuator] == mjBIAS_NONE && !integrates;
   if (is_motor && model.actuator_ctrllimited[actuator]) {
     limit = std::min(limit, std::abs(model.actuator_gainprm[mjNGAIN * actuator]) *
-                                greatest(model.actuator_ctrlrange + 2 * actuator));
+                                magnitude(model.actuator_ctrlrange + 2 * actuator));
   }
   return limit;
 }
@@ -99,7 +103,7 @@ DataHandle at_rest(const mjModel& model) {
 
 double torque_limit(const mjModel& model, int joint) {
   double limit = std::numeric_limits<double>::infinity();
-  if (model.jnt_actfrclimited[joint]) limit = greatest(model.jnt_actfrcrange + 2 * joint);
+  if (model.jnt_actfrclimited[joint]) limit = magnitude(model.jnt_actfrcrange + 2 * joint);
   for (int i = 0; i < model.nu; ++i) {
     const double gear = gear_on(model, i, joint);
     if (gear > 0) limit = std::min(limit, gear * force_limit(model, i));

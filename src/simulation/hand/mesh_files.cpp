@@ -44,14 +44,17 @@ fs::path in_package(const fs::path& mesh, const fs::path& file) {
   }
   const fs::path package = *mesh.begin();
   const fs::path within = mesh.lexically_relative(package);
-  for (const fs::path& path : {within, mesh.filename(), "meshes" / mesh.filename()}) {
+  for (fs::path above = folder; above != above.parent_path(); above = above.parent_path()) {
+    if (is_file(above / within)) return above / within;  // a package in a folder of another name
+  }
+  for (const fs::path& path : {mesh.filename(), "meshes" / mesh.filename()}) {
     if (is_file(folder / path)) return folder / path;
   }
-  throw BadInput(
-      fmt::format("the mesh {} is neither in a folder {} from {} upwards, nor there as {}, {} or "
-                  "meshes/{}",
-                  shown(mesh), shown(package), folder.string(), shown(within),
-                  shown(mesh.filename()), shown(mesh.filename())));
+  throw BadInput(fmt::format(
+      "the mesh {} is neither in a folder {} nor as {} from {} upwards, nor there as {} "
+      "or meshes/{}",
+      shown(mesh), shown(package), shown(within), folder.string(), shown(mesh.filename()),
+      shown(mesh.filename())));
 }
 
 /// Where a mesh is, by the rules of the file that it is from. The simulator looks for names without

@@ -14,17 +14,19 @@ namespace {
 
 constexpr double kUsualBend = 1.57;  // rad, without limits
 
-/// That of its actuator's commands, else a usual one.
+/// The limits the right way round, else those of its actuator's commands, else usual ones.
 hand::Range range_without_limits(const mjModel& model, int joint,
                                  std::vector<HandProblem>& problems) {
   const mjtNum* const given = model.jnt_range + 2 * joint;
   const auto commanded = commanded_range(model, joint);
-  const hand::Range range = commanded.value_or(hand::Range{0, kUsualBend});
+  const bool reversed = given[1] < given[0];
+  const hand::Range range =
+      reversed ? hand::Range{given[1], given[0]} : commanded.value_or(hand::Range{0, kUsualBend});
   problems.push_back(
-      {fmt::format("{} of joint {}", given[1] < given[0] ? "reversed limits" : "no limits",
+      {fmt::format("{} of joint {}", reversed ? "reversed limits" : "no limits",
                    model_name(model, mjOBJ_JOINT, joint)),
        fmt::format("give it a range in the file; {:.3g} .. {:.3g} rad is used{}", range.low,
-                   range.high, commanded ? ", the commands of its actuator" : "")});
+                   range.high, commanded && !reversed ? ", the commands of its actuator" : "")});
   return range;
 }
 

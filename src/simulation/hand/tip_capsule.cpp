@@ -34,19 +34,25 @@ double extent_from(const mjModel& model, int geom, const Eigen::Vector3d& from) 
   return farthest;
 }
 
+bool is_capsule(const mjModel& model, int geom) {
+  const int type = model.geom_type[geom];
+  return type == mjGEOM_CAPSULE || type == mjGEOM_SPHERE;
+}
+
+/// The geom of a fingertip that reaches farthest from a point; a capsule or sphere also if another
+/// one, as a nail, reaches beyond it by less than its radius.
 int outermost_geom(const mjModel& model, int body, const Eigen::Vector3d& from) {
+  const auto reach = [&](int geom) {
+    const double rounded = is_capsule(model, geom) ? model.geom_size[3 * geom] : 0;
+    return extent_from(model, geom, from) + rounded;
+  };
   int best = -1;
   for (int i = 0; i < model.body_geomnum[body]; ++i) {
     const int geom = model.body_geomadr[body] + i;
     if (model.geom_contype[geom] == 0 && model.geom_conaffinity[geom] == 0) continue;
-    if (best < 0 || extent_from(model, geom, from) > extent_from(model, best, from)) best = geom;
+    if (best < 0 || reach(geom) > reach(best)) best = geom;
   }
   return best;
-}
-
-bool is_capsule(const mjModel& model, int geom) {
-  const int type = model.geom_type[geom];
-  return type == mjGEOM_CAPSULE || type == mjGEOM_SPHERE;
 }
 
 /// Points of an ellipsoid, or of a cylinder's two ends, in the geom's frame.

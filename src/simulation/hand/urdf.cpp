@@ -52,6 +52,7 @@ void refuse_twins(const xml::ptree& robot) {
   for (const auto& [kind, element] : robot) {
     if (kind != "link" && kind != "joint") continue;
     const std::string name = attribute(element, "name");
+    if (name.empty()) throw BadInput(fmt::format("a {} has no name", kind));
     if (known.emplace(kind, name).second) continue;
     throw BadInput(fmt::format("two {}s are named '{}'", kind, name));
   }

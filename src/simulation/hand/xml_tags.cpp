@@ -16,6 +16,11 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n";
 constexpr int kDeepest = 400;  // elements within one another
+constexpr int kMostBodies = 5000;
+constexpr double kMostOfAll = 10000;  // of what an attribute counts
+
+/// Attributes that say how many there are of something.
+constexpr std::array<std::string_view, 3> kCounts = {"count", "nrow", "ncol"};
 
 /// Attributes of MJCF and URDF that place things or say what they are like.
 constexpr std::array<std::string_view, 32> kNumbers = {
@@ -102,7 +107,7 @@ void for_each_attribute(
 }
 
 void check_text(std::string_view text) {
-  int depth = 0;
+  int depth = 0, bodies = 0;
   for_each_tag(text, [&](std::string_view tag) {
     if (tag.starts_with("xacro:")) {
       throw BadInput("it holds xacro macros; run xacro on it first, and give what that writes");
@@ -112,12 +117,20 @@ void check_text(std::string_view text) {
       if (value.find("${") != value.npos) {
         throw BadInput("it holds xacro macros; run xacro on it first, and give what that writes");
       }
+      if (std::ranges::find(kCounts, name) != kCounts.end() &&
+          std::strtod(std::string(value).c_str(), nullptr) > kMostOfAll) {
+        throw BadInput(fmt::format("{}=\"{:.60}\" is more than {}", name, value, kMostOfAll));
+      }
       if (std::ranges::find(kNumbers, name) == kNumbers.end() || !is_broken(name, value)) return;
       throw BadInput(fmt::format("line {}: <{} {}=\"{:.60}\"> is not finite",
                                  1 + std::count(text.data(), tag.data(), '\n'), element, name,
                                  value));
     });
     if (tag.starts_with('?') || tag.starts_with('!')) return;
+    bodies += element == "body" || element == "link";
+    if (bodies > kMostBodies) {
+      throw BadInput(fmt::format("it has more than {} bodies", kMostBodies));
+    }
     depth += tag.starts_with('/') ? -1 : tag.ends_with('/') ? 0 : 1;
     if (depth > kDeepest) {
       throw BadInput(fmt::format("its elements are nested more than {} deep", kDeepest));

@@ -16,8 +16,8 @@ void for_each_attribute(
     const std::function<void(std::string_view name, std::string_view value)>& function);
 
 /// @throws BadInput for macros that are still to be expanded, numbers that are not finite (naming
-///         line, element and attribute; limits may be infinite), and elements nested deeper than in
-///         any model
+///         line, element and attribute; limits may be infinite), and for more or more deeply nested
+///         elements than any model has
 void check_text(std::string_view text);
 
 }  // namespace palpate::simulation
