@@ -33,7 +33,7 @@ constexpr double kLeastArm = 0.03;         // m, of a drive that also carries lo
 
 /// The lesser of the two sides of a range that is not empty: a drive has it both ways.
 double magnitude(const mjtNum* range) {
-  const auto [less, more] = std::minmax(std::abs(range[0]), std::abs(range[1]));
+  const auto [less, more] = std::minmax({std::abs(range[0]), std::abs(range[1])});
   return less > 0 ? less : more;
 }
 
