@@ -106,14 +106,14 @@ std::string followers_text(const hand::Description& hand, const hand::Actuator& 
   return text;
 }
 
-/// Where the root is in the mount's frame, as `mount` of a TOML file has it.
+/// The root, the palm, and where the root is in the mount's frame, as `mount` of a TOML file has
+/// it.
 void print_frames(const hand::Description& hand) {
   const Eigen::Vector3d p = hand.file.T_mount_root.translation();
   const Eigen::Vector3d rpy = rpy_of(hand.file.T_mount_root.linear());
   fmt::print(
-      "root {}, palm {}; in the mount's frame the root is at x {:.3f} y {:.3f} z {:.3f} m, roll "
-      "{:.1f} "
-      "pitch {:.1f} yaw {:.1f} deg\n\n",
+      "root {}, palm {}; in the mount's frame the root is at x {:.3f} y {:.3f} z {:.3f} m, "
+      "roll {:.1f} pitch {:.1f} yaw {:.1f} deg\n\n",
       hand.file.root, palm_name(hand), p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z());
 }
 

@@ -333,11 +333,6 @@ TEST(Urdf, AnInfiniteEffortIsNoLimit) {
                    "1 N m is the torque limit of finger_1, for which the file has no finite one"));
 }
 
-TEST(JointRange, AnInfiniteOneIsNone) {
-  const auto text = replaced(kHandMjcf, "range=\"0 1.4\"", "range=\"-inf inf\"");
-  EXPECT_TRUE(reports(described("infinite.xml", text), "no limits of joint index_2"));
-}
-
 TEST(ClosedLoops, OneThatIsNotActiveIsNone) {
   EXPECT_EQ(hand_with("<equality><weld body1='index_tip' body2='ring_tip' active='false'/>"
                       "</equality>")

@@ -86,6 +86,11 @@ TEST(JointRange, EndsWhereTheCommandsDo) {
   EXPECT_NEAR(actuator(result, "thumb_1").command.high, 1.6, 1e-12);  // would leave next to nothing
 }
 
+TEST(JointRange, AnInfiniteOneIsNone) {
+  const auto text = replaced(kHandMjcf, "range=\"0 1.4\"", "range=\"-inf inf\"");
+  EXPECT_TRUE(reports(described("infinite.xml", text), "no limits of joint index_2"));
+}
+
 TEST(TorqueLimit, OneThatIsAssumedIsReported) {
   EXPECT_TRUE(says(hand_with("").guesses,
                    "1 N m is the torque limit of index_1, index_2, ring_1 and 3 more"));

@@ -171,9 +171,7 @@ auto naming(const std::filesystem::path& file, std::string_view kind, const Func
   try {
     return function();
   } catch (const BadInput& error) {
-    const std::string what = error.what(), begin = fmt::format("cannot read the {} ", kind);
-    if (what.starts_with(begin)) throw;
-    throw BadInput(fmt::format("{}{}: {}", begin, file.string(), what));
+    throw BadInput(fmt::format("cannot read the {} {}: {}", kind, file.string(), error.what()));
   }
 }
 
